@@ -1,0 +1,97 @@
+// Temporary name, fsync, rename, fsync of the folder: the order in which a file becomes real.
+#include "base/files.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <unistd.h>
+
+#include "base/error.h"
+
+namespace equilux {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void fail_store(const fs::path& path, std::string_view what) {
+  throw StoreError(fmt::format("{}: cannot {}: {}", path.string(), what, std::strerror(errno)));
+}
+
+class OpenFile {
+ public:
+  OpenFile(const fs::path& path, int flags)
+      : path_(path), descriptor_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    if (descriptor_ < 0) fail_store(path, "open");
+  }
+  ~OpenFile() { ::close(descriptor_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  void write(std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t written = ::write(descriptor_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail_store(path_, "write");
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+  void sync() {
+    if (::fsync(descriptor_) != 0) fail_store(path_, "sync");
+  }
+
+ private:
+  fs::path path_;
+  int descriptor_;
+};
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+}  // namespace
+
+std::string load_text(const fs::path& path, std::size_t max_bytes) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw InputError(path.string(), "", "a file", "a folder");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw InputError(path.string(), "", "a readable file", std::strerror(errno));
+  std::string text;
+  char buffer[1 << 16];
+  while (stream) {
+    stream.read(buffer, sizeof buffer);
+    text.append(buffer, static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > max_bytes) {
+      throw InputError(path.string(), "", fmt::format("at most {} bytes", max_bytes), "more");
+    }
+  }
+  if (stream.bad()) throw InputError(path.string(), "", "a readable file", std::strerror(errno));
+  return text;
+}
+
+void save_text(const fs::path& path, std::string_view text) {
+  save_atomically(path, [&](const fs::path& temporary) {
+    OpenFile(temporary, O_WRONLY | O_CREAT | O_TRUNC).write(text);
+  });
+}
+
+void save_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  fs::path temporary = path;
+  temporary += fmt::format(".{}.part", ::getpid());
+  try {
+    write(temporary);
+    OpenFile(temporary, O_RDONLY).sync();
+    if (::rename(temporary.c_str(), path.c_str()) != 0) fail_store(path, "rename a new file to");
+    OpenFile(folder_of(path), O_RDONLY | O_DIRECTORY).sync();
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+}
+
+void make_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) throw StoreError(fmt::format("{}: cannot make the folder: {}", path.string(), error.message()));
+}
+
+}  // namespace equilux

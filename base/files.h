@@ -1,0 +1,25 @@
+// Files that appear under their name only when whole.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace equilux {
+
+/// Whole text of a file. errors: InputError if missing, a folder, unreadable or larger than `max_bytes`.
+std::string load_text(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{64} << 20);
+
+/// Writes beside `path`, syncs, then renames over it. errors: StoreError; then nothing stands under the name.
+void save_text(const std::filesystem::path& path, std::string_view text);
+
+/// The same for a file that another library writes: `write` gets the temporary path.
+void save_atomically(const std::filesystem::path& path,
+                     const std::function<void(const std::filesystem::path&)>& write);
+
+/// Makes the folder and its parents. errors: StoreError.
+void make_folder(const std::filesystem::path& path);
+
+}  // namespace equilux

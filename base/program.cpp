@@ -1,0 +1,39 @@
+// The one try around each main.
+#include "base/program.h"
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+
+#include "base/error.h"
+
+namespace equilux {
+
+int run_program(const std::string& name, const std::function<int()>& body) {
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) {
+    fmt::print(stderr, "{}: this build needs a processor with AVX2 and FMA (x86-64-v3)\n", name);
+    return kExitError;
+  }
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "{}: out of memory\n", name);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", name, error.what());
+  }
+  return kExitError;
+}
+
+std::string format_utc_now() {
+  const auto now = std::chrono::system_clock::now();
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  const auto milliseconds =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900, utc.tm_mon + 1,
+                     utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, milliseconds);
+}
+
+}  // namespace equilux

@@ -1,0 +1,40 @@
+// Progress with an ETA for whatever lasts; quiet and line-wise when the output is no terminal.
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <string>
+
+namespace equilux {
+
+/// Reports done / total on standard error. Thread-safe. On a terminal one line is rewritten five times a
+/// second; elsewhere a line appears after two seconds and then when the share has grown by a tenth and ten
+/// seconds have gone.
+class Progress {
+ public:
+  /// `total` in any unit of work whose cost is even.
+  Progress(std::string label, double total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void advance(double work);
+
+ private:
+  void print(double seconds);
+
+  std::string label_;
+  double total_;
+  double done_ = 0;
+  bool is_terminal_;
+  bool printed_ = false;
+  double last_print_s_ = 0;
+  double last_share_ = 0;
+  std::chrono::steady_clock::time_point start_;
+  std::mutex mutex_;
+};
+
+/// "1 h 02 min", "3 min 20 s", "4.1 s".
+std::string format_seconds(double seconds);
+
+}  // namespace equilux

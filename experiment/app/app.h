@@ -1,0 +1,26 @@
+// The window: the same sessions as simulated subjects take, shown to a person.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "protocols/experiment.h"
+
+namespace equilux {
+
+/// What is left empty is asked for on the start screen.
+struct AppParams {
+  std::filesystem::path study_folder;
+  std::optional<Experiment> experiment;
+  std::string participant;
+  std::string monitor;    ///< name; empty: the primary one
+  bool windowed = false;  ///< a window of the layout's size in place of the full screen
+  double diagonal_m = 0;  ///< of the visible screen; 0: as the system reports it
+};
+
+/// Runs until the session is over or the window is closed. Gives the exit code. errors: InputError,
+/// StoreError
+int run_app(const AppParams& params);
+
+}  // namespace equilux

@@ -1,0 +1,124 @@
+// responses.sqlite: who answered what, and when. The only thing of this folder that analysis reads.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocols/condition.h"
+#include "protocols/experiment.h"
+
+namespace equilux {
+
+enum class Side { kLeft, kRight };
+
+/// What a session was made from: resuming or repeating it with others is an error.
+struct SessionDigests {
+  std::string study;
+  std::string manifest;   ///< digest_pictures of the pictures it may show
+  std::string windows;    ///< empty in material sessions
+  std::string selection;  ///< empty in artifact sessions
+  std::string truth;      ///< empty unless planted
+  bool operator==(const SessionDigests&) const = default;
+};
+
+/// What is known of the screen; all empty for simulated subjects.
+struct ScreenRecord {
+  std::string monitor;
+  std::optional<int> framebuffer_width;   ///< pixels
+  std::optional<int> framebuffer_height;  ///< pixels
+  std::optional<double> viewing_distance_m;
+  std::optional<double> degrees_wide;  ///< of one picture, as achieved
+  std::optional<double> degrees_high;
+};
+
+struct SessionRow {
+  std::int64_t id = 0;
+  std::string participant;  ///< code
+  SubjectKind kind = SubjectKind::kPerson;
+  Experiment experiment = Experiment::kArtifact;
+  std::int64_t subject_index = 0;  ///< unique among the sessions of its kind and experiment
+  std::uint64_t seed = 0;
+  std::string program_version;
+  SessionDigests digests;
+  ScreenRecord screen;
+  std::string started_utc;
+  bool complete = false;  ///< set only at the very end
+};
+
+/// One scheduled trial; the last three are empty until it is answered.
+struct TrialRow {
+  int number = 0;         ///< 0 .. n-1, order of showing
+  Cell cell;              ///< what is counted
+  std::string test_key;   ///< the VPL picture
+  std::string pair_key;   ///< the reference beside it
+  std::string upper_key;  ///< the reference above; empty in artifact trials
+  Side test_side = Side::kLeft;
+  std::optional<Side> answer;
+  std::optional<std::int64_t>
+      response_time_ns;  ///< monotonic clock, from the onset of this showing to the press
+  std::optional<std::string> answered_utc;
+};
+
+/// An answer as the session reports it.
+struct Answer {
+  int trial = 0;
+  Side side = Side::kLeft;
+  std::int64_t response_time_ns = 0;
+};
+
+/// Answers of finished sessions, added up: one row for each session kind, experiment and cell.
+struct AnswerRow {
+  std::int64_t session = 0;
+  std::int64_t subject_index = 0;
+  Cell cell;
+  bool correct = false;
+};
+
+/// The log. One committed transaction for each change; a database that cannot be written throws StoreError.
+class TrialLog {
+ public:
+  /// Opens, or makes where `create`. errors: InputError for a file that is no log, has a newer schema, or is
+  /// missing and not to be made; StoreError where WAL cannot work.
+  explicit TrialLog(const std::filesystem::path& path, bool create = false);
+  ~TrialLog();
+  TrialLog(TrialLog&&) noexcept;
+  TrialLog& operator=(TrialLog&&) noexcept;
+
+  /// Writes session, participant and all trials in one transaction; gives the session's id. `row.id` is
+  /// ignored. errors: InputError if the index is taken.
+  std::int64_t append_session(const SessionRow& row, const std::vector<TrialRow>& trials);
+
+  std::vector<SessionRow> load_sessions() const;
+  std::vector<TrialRow> load_trials(std::int64_t session) const;
+  /// Lowest index that no session of this kind and experiment holds.
+  std::int64_t find_free_index(SubjectKind kind, Experiment experiment) const;
+  bool has_session_using_selection(const std::string& selection_digest) const;
+
+  /// A showing without an answer: the first of a session, or again after a resume.
+  void append_showing(std::int64_t session, int trial, std::int64_t time_ns);
+  /// The answer to one pair and the showing of the next (none after the last), in one transaction. errors:
+  /// StoreError if that trial is answered already.
+  void append_answer(std::int64_t session, const Answer& answer, std::optional<int> next_trial,
+                     std::int64_t time_ns);
+  /// Any other thing that happened. `detail` is free text.
+  void append_event(std::int64_t session, const std::string& kind, std::int64_t time_ns,
+                    const std::string& detail = "");
+  /// Marks the session complete. errors: StoreError if a trial is unanswered.
+  void finish_session(std::int64_t session, std::int64_t time_ns);
+
+  /// Answers of the complete sessions of a kind and experiment, in order of session and trial.
+  std::vector<AnswerRow> load_answers(SubjectKind kind, Experiment experiment) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Digest of answers, sorted and canonical: independent of the order of sessions and of the database file.
+std::string digest_answers(const std::vector<AnswerRow>& answers);
+
+}  // namespace equilux

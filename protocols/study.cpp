@@ -1,0 +1,193 @@
+// From a study file to a checked Study, and from its factors to lists of what must exist.
+#include "protocols/study.h"
+
+#include <algorithm>
+#include <set>
+
+#include "base/error.h"
+
+namespace equilux {
+
+extern const char kStudySchema[];
+
+namespace {
+namespace fs = std::filesystem;
+
+Block make_block(const Json& json, const std::string& source, const std::string& place) {
+  Block block;
+  block.geometries = json.at("geometries").as_strings();
+  block.materials = json.at("materials").as_strings();
+  for (const std::string& text : json.at("illuminations").as_strings()) {
+    block.illuminations.push_back(parse_illumination(text, source, place + "/illuminations"));
+  }
+  for (const std::string& text : json.at("vpl_counts").as_strings()) {
+    block.vpl_counts.push_back(parse_vpl_count(text, source, place + "/vpl_counts"));
+  }
+  std::sort(block.vpl_counts.begin(), block.vpl_counts.end());
+  return block;
+}
+
+std::vector<Column> columns_of(const Block& block) {
+  std::vector<Column> columns;
+  for (const auto& geometry : block.geometries) {
+    for (const auto& material : block.materials) {
+      for (const auto illumination : block.illuminations) {
+        for (const auto vpl_count : block.vpl_counts)
+          columns.push_back({{geometry, material, illumination}, vpl_count});
+      }
+    }
+  }
+  return columns;
+}
+
+void check_blocks(const Study& study, const std::string& source) {
+  std::set<Column> seen;
+  for (std::size_t i = 0; i < study.blocks.size(); ++i) {
+    for (const Column& column : columns_of(study.blocks[i])) {
+      if (!seen.insert(column).second) {
+        throw InputError(source, fmt::format("/blocks/{}", i), "columns that no other block has",
+                         format_key(column));
+      }
+    }
+  }
+}
+
+void check_reference_materials(const Study& study, const std::string& source) {
+  for (const Object& object : enumerate_objects(study)) {
+    if (enumerate_reference_materials(study, object).empty()) {
+      throw InputError(source, "/reference_materials",
+                       fmt::format("a material other than {}, for the artifact references of {}",
+                                   object.material, format_key(object)),
+                       study.reference_materials.empty() ? "none" : object.material);
+    }
+  }
+}
+
+template <typename T>
+std::vector<T> without_repetition(const std::vector<T>& values) {
+  std::vector<T> unique;
+  std::set<T> seen;
+  for (const T& value : values) {
+    if (seen.insert(value).second) unique.push_back(value);
+  }
+  return unique;
+}
+
+std::vector<Family> in_both_views(const std::vector<Object>& objects) {
+  std::vector<Family> families;
+  for (const Object& object : objects) {
+    for (int view = 0; view < kViewCount; ++view) families.push_back({object, view});
+  }
+  return families;
+}
+
+}  // namespace
+
+Study load_study(const fs::path& path) {
+  const std::string source = path.string();
+  Study study;
+  study.source = load_json(path, kStudySchema);
+  study.digest = digest_json(study.source);
+  const Json& json = study.source;
+  const auto beside = [&](const char* member) {
+    return (path.parent_path() / json.at(member).as_string()).lexically_normal();
+  };
+  study.name = json.at("name").as_string();
+  if (const Json* description = json.find("description")) study.description = description->as_string();
+  study.scene_path = beside("scene");
+  study.windows_path = beside("windows");
+  study.truth_path = beside("truth");
+  study.seed = static_cast<std::uint64_t>(json.at("seed").as_int());
+  study.width = static_cast<int>(json.at("image").at("width").as_int());
+  study.height = static_cast<int>(json.at("image").at("height").as_int());
+  study.subpixel_positions = static_cast<int>(json.at("subpixel_positions").as_int());
+  const auto count = [&](const char* member) {
+    return static_cast<int>(json.at("paths").at(member).as_int());
+  };
+  study.paths = {count("object_indirect"), count("object_direct"), count("background")};
+  const Json& noise = json.at("noise_target");
+  study.noise_target = {noise.at("object_mean").as_double(), noise.at("object_p99").as_double(),
+                        noise.at("outside_mean").as_double()};
+  study.tone_key = json.at("tone_key").as_double();
+  study.exposure = json.at("exposure").as_string() == "whole" ? Exposure::kWhole : Exposure::kBackground;
+  for (const std::string& text : json.at("clamp_levels").as_strings()) {
+    study.clamp_levels.push_back(parse_clamp_level(text, source, "/clamp_levels"));
+  }
+  std::sort(study.clamp_levels.begin(), study.clamp_levels.end());
+  if (const Json* normalise = json.find("normalise")) study.normalise = normalise->as_bool();
+  study.view_mode =
+      json.at("view_mode").as_string() == "pair_turned" ? ViewMode::kPairTurned : ViewMode::kReferenceTurned;
+  if (const Json* materials = json.find("reference_materials"))
+    study.reference_materials = materials->as_strings();
+  study.target_degrees_wide = json.at("target").at("degrees_wide").as_double();
+  study.target_degrees_high = json.at("target").at("degrees_high").as_double();
+  study.viewing_distance_m = json.at("target").at("viewing_distance_m").as_double();
+  for (const auto& [experiment, subjects] : json.at("subjects").as_object()) {
+    study.subjects[experiment] = static_cast<int>(subjects.as_int());
+  }
+  const Json& blocks = json.at("blocks");
+  for (std::size_t i = 0; i < blocks.as_array().size(); ++i) {
+    study.blocks.push_back(make_block(blocks.at(i), source, fmt::format("/blocks/{}", i)));
+  }
+  check_blocks(study, source);
+  check_reference_materials(study, source);
+  return study;
+}
+
+std::vector<Object> enumerate_objects(const Study& study) {
+  std::vector<Object> objects;
+  for (const Column& column : enumerate_columns(study)) objects.push_back(column.object);
+  return without_repetition(objects);
+}
+
+std::vector<Column> enumerate_columns(const Study& study) {
+  std::vector<Column> columns;
+  for (const Block& block : study.blocks) {
+    const auto more = columns_of(block);
+    columns.insert(columns.end(), more.begin(), more.end());
+  }
+  return columns;
+}
+
+std::vector<Cell> enumerate_cells(const Study& study) {
+  std::vector<Cell> cells;
+  for (const Column& column : enumerate_columns(study)) {
+    for (int level : study.clamp_levels) cells.push_back({column, level, study.normalise});
+  }
+  return cells;
+}
+
+std::vector<Condition> enumerate_conditions(const Study& study) {
+  std::vector<Condition> conditions;
+  for (const Cell& cell : enumerate_cells(study)) {
+    for (int view = 0; view < kViewCount; ++view) conditions.push_back({cell, view});
+  }
+  return conditions;
+}
+
+std::vector<Family> enumerate_families(const Study& study) { return in_both_views(enumerate_objects(study)); }
+
+std::vector<Family> enumerate_references(const Study& study) {
+  std::vector<Object> objects = enumerate_objects(study);
+  for (const Object& object : enumerate_objects(study)) {
+    for (const std::string& material : enumerate_reference_materials(study, object)) {
+      objects.push_back({object.geometry, material, object.illumination});
+    }
+  }
+  return in_both_views(without_repetition(objects));
+}
+
+std::vector<std::string> enumerate_reference_materials(const Study& study, const Object& object) {
+  std::vector<std::string> materials;
+  for (const Object& other : enumerate_objects(study)) {
+    const bool same_place = other.geometry == object.geometry && other.illumination == object.illumination;
+    if (same_place && other.material != object.material) materials.push_back(other.material);
+  }
+  if (!materials.empty()) return materials;
+  for (const std::string& material : study.reference_materials) {
+    if (material != object.material) materials.push_back(material);
+  }
+  return materials;
+}
+
+}  // namespace equilux

@@ -1,0 +1,89 @@
+// manifest.json, read and written.
+#include "stimuli/manifest.h"
+
+#include <algorithm>
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/version.h"
+
+namespace equilux {
+
+extern const char kManifestSchema[];
+
+Manifest load_manifest(const std::filesystem::path& path) {
+  const Json json = load_json(path, kManifestSchema);
+  Manifest manifest;
+  manifest.study_name = json.at("study").as_string();
+  manifest.study_digest = json.at("study_digest").as_string();
+  manifest.seed = static_cast<std::uint64_t>(json.at("seed").as_int());
+  manifest.width = static_cast<int>(json.at("width").as_int());
+  manifest.height = static_cast<int>(json.at("height").as_int());
+  for (const Json& tone : json.at("tones").as_array()) {
+    manifest.tones[tone.at("family").as_string()] = {
+        tone.at("log_average").as_double(), tone.at("white").as_double(), tone.at("delta").as_double(),
+        tone.at("key").as_double(), tone.at("exposure").as_string()};
+  }
+  const auto& pictures = json.at("pictures").as_array();
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Json& picture = pictures[i];
+    const Json* error = picture.find("standard_error");
+    const bool added =
+        manifest.pictures
+            .emplace(picture.at("key").as_string(),
+                     PictureRecord{picture.at("file").as_string(), picture.at("digest").as_string(),
+                                   picture.at("made_from").as_string(), error ? *error : Json()})
+            .second;
+    if (!added) {
+      throw InputError(path.string(), fmt::format("/pictures/{}/key", i), "each picture once",
+                       picture.at("key").as_string() + " again");
+    }
+  }
+  return manifest;
+}
+
+void save_manifest(const Manifest& manifest, const std::filesystem::path& path) {
+  Json json;
+  json.set("schema", "equilux-manifest").set("schema_version", 1).set("producer_version", kVersion);
+  json.set("study", manifest.study_name).set("study_digest", manifest.study_digest);
+  json.set("seed", manifest.seed).set("width", manifest.width).set("height", manifest.height);
+  Json tones{Json::Array{}};
+  for (const auto& [family, tone] : manifest.tones) {
+    Json row;
+    row.set("family", family).set("log_average", tone.log_average).set("white", tone.white);
+    row.set("delta", tone.delta).set("key", tone.key).set("exposure", tone.exposure);
+    tones.push(std::move(row));
+  }
+  Json pictures{Json::Array{}};
+  for (const auto& [key, picture] : manifest.pictures) {
+    Json row;
+    row.set("key", key)
+        .set("file", picture.file)
+        .set("digest", picture.digest)
+        .set("made_from", picture.made_from);
+    if (!picture.standard_error.is_null()) row.set("standard_error", picture.standard_error);
+    pictures.push(std::move(row));
+  }
+  json.set("tones", std::move(tones)).set("pictures", std::move(pictures));
+  save_text(path, format_json(json));
+}
+
+std::string digest_pictures(const Manifest& manifest, const std::vector<std::string>& keys,
+                            const std::string& source) {
+  std::vector<std::string> sorted = keys;
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  std::string text;
+  for (const std::string& key : sorted) {
+    const auto found = manifest.pictures.find(key);
+    if (found == manifest.pictures.end()) {
+      throw InputError(source, "/pictures", fmt::format("the picture {}", key),
+                       "none; `equilux-render set` makes what is missing");
+    }
+    text += fmt::format("{} {}\n", key, found->second.digest);
+  }
+  return digest_text(text);
+}
+
+}  // namespace equilux

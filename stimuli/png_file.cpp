@@ -1,0 +1,57 @@
+// The one file that knows libpng.
+#include "stimuli/png_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <png.h>
+
+#include "base/error.h"
+#include "base/files.h"
+
+namespace equilux {
+namespace {
+
+constexpr png_uint_32 kMaxSide = 16384;
+
+struct PngImage : png_image {
+  PngImage() : png_image{} { version = PNG_IMAGE_VERSION; }
+  ~PngImage() { png_image_free(this); }
+  PngImage(const PngImage&) = delete;
+  PngImage& operator=(const PngImage&) = delete;
+};
+
+}  // namespace
+
+LdrImage load_png(const std::filesystem::path& path) {
+  const std::string bytes = load_text(path);
+  PngImage png;
+  if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) {
+    throw InputError(path.string(), "", "a PNG file", png.message);
+  }
+  if (png.width > kMaxSide || png.height > kMaxSide) {
+    throw InputError(path.string(), "", fmt::format("at most {} x {} pixels", kMaxSide, kMaxSide),
+                     fmt::format("{} x {}", png.width, png.height));
+  }
+  png.format = PNG_FORMAT_RGB;
+  LdrImage image(static_cast<int>(png.width), static_cast<int>(png.height));
+  if (!png_image_finish_read(&png, nullptr, image.values.data(), 0, nullptr)) {
+    throw InputError(path.string(), "", "a whole PNG file", png.message);
+  }
+  return image;
+}
+
+void save_png(const LdrImage& image, const std::filesystem::path& path) {
+  save_atomically(path, [&](const std::filesystem::path& temporary) {
+    PngImage png;
+    png.width = static_cast<png_uint_32>(image.width);
+    png.height = static_cast<png_uint_32>(image.height);
+    png.format = PNG_FORMAT_RGB;
+    errno = 0;
+    if (!png_image_write_to_file(&png, temporary.c_str(), 0, image.values.data(), 0, nullptr)) {
+      throw StoreError(fmt::format("{}: cannot write: {} {}", path.string(), png.message,
+                                   errno ? std::strerror(errno) : ""));
+    }
+  });
+}
+
+}  // namespace equilux

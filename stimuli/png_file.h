@@ -1,0 +1,17 @@
+// PNG files of 8-bit sRGB.
+#pragma once
+
+#include <filesystem>
+
+#include "stimuli/image.h"
+
+namespace equilux {
+
+/// Loads 8-bit PNG of any colour type as RGB, without colour conversion.
+/// errors: InputError for a missing, damaged or larger than 16,384 x 16,384 file.
+LdrImage load_png(const std::filesystem::path& path);
+
+/// The same picture always gives the same bytes. errors: StoreError
+void save_png(const LdrImage& image, const std::filesystem::path& path);
+
+}  // namespace equilux
