@@ -20,14 +20,14 @@ std::array<std::uint32_t, 4> philox4x32(std::array<std::uint32_t, 4> counter,
   return counter;
 }
 
-// The key mixes seed and `what` through the cipher itself, so that all 128 bits of the two count; the counter
-// is (block, index).
-RandomStream::RandomStream(std::uint64_t seed, std::uint64_t what, std::uint64_t index) {
+// Mixed through the cipher itself, so that all bits of seed and name count; the counter is (block, nonce,
+// index).
+StreamKey make_stream_key(std::uint64_t seed, std::string_view name) {
+  const std::uint64_t what = hash_name(name);
   const auto mixed =
       philox4x32({static_cast<std::uint32_t>(what), static_cast<std::uint32_t>(what >> 32), 0, 0},
                  {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
-  key_ = {mixed[0], mixed[1]};
-  counter_ = {0, mixed[2], static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32)};
+  return {{mixed[0], mixed[1]}, mixed[2]};
 }
 
 std::uint32_t RandomStream::next_u32() {

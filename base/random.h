@@ -20,12 +20,21 @@ constexpr std::uint64_t hash_name(std::string_view name) {
   return hash;
 }
 
+/// The cipher key and nonce of one (seed, what): made once where many streams differ in their index only.
+struct StreamKey {
+  std::array<std::uint32_t, 2> key{};
+  std::uint32_t nonce = 0;
+};
+StreamKey make_stream_key(std::uint64_t seed, std::string_view what);
+
 /// A stream of independent draws for one (seed, what, index).
 class RandomStream {
  public:
-  RandomStream(std::uint64_t seed, std::uint64_t what, std::uint64_t index);
+  RandomStream(const StreamKey& key, std::uint64_t index)
+      : key_(key.key),
+        counter_{0, key.nonce, static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index >> 32)} {}
   RandomStream(std::uint64_t seed, std::string_view what, std::uint64_t index)
-      : RandomStream(seed, hash_name(what), index) {}
+      : RandomStream(make_stream_key(seed, what), index) {}
 
   std::uint32_t next_u32();
   std::uint64_t next_u64();

@@ -40,18 +40,22 @@ LdrImage load_png(const std::filesystem::path& path) {
   return image;
 }
 
+std::string encode_png(const LdrImage& image) {
+  PngImage png;
+  png.width = static_cast<png_uint_32>(image.width);
+  png.height = static_cast<png_uint_32>(image.height);
+  png.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
+  std::string bytes(size, '\0');
+  const int written =
+      png_image_write_to_memory(&png, bytes.data(), &size, 0, image.values.data(), 0, nullptr);
+  EQ_CHECK(written != 0, png.message);
+  bytes.resize(size);
+  return bytes;
+}
+
 void save_png(const LdrImage& image, const std::filesystem::path& path) {
-  save_atomically(path, [&](const std::filesystem::path& temporary) {
-    PngImage png;
-    png.width = static_cast<png_uint_32>(image.width);
-    png.height = static_cast<png_uint_32>(image.height);
-    png.format = PNG_FORMAT_RGB;
-    errno = 0;
-    if (!png_image_write_to_file(&png, temporary.c_str(), 0, image.values.data(), 0, nullptr)) {
-      throw StoreError(fmt::format("{}: cannot write: {} {}", path.string(), png.message,
-                                   errno ? std::strerror(errno) : ""));
-    }
-  });
+  save_text(path, encode_png(image));
 }
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "stimuli/image.h"
 
@@ -11,7 +12,10 @@ namespace equilux {
 /// errors: InputError for a missing, damaged or larger than 16,384 x 16,384 file.
 LdrImage load_png(const std::filesystem::path& path);
 
-/// The same picture always gives the same bytes. errors: StoreError
+/// The bytes of a PNG file; the same picture always gives the same ones.
+std::string encode_png(const LdrImage& image);
+
+/// errors: StoreError
 void save_png(const LdrImage& image, const std::filesystem::path& path);
 
 }  // namespace equilux

@@ -1,0 +1,62 @@
+// Layers on disk.
+#include "renderer/layer_store.h"
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "base/version.h"
+
+namespace equilux {
+namespace fs = std::filesystem;
+
+LayerStore::LayerStore(StudyFolder folder, const Study& study) : folder_(std::move(folder)) {
+  if (fs::exists(folder_.layers())) layers_ = load_layers(folder_.layers());
+  layers_.study_name = study.name;
+  layers_.study_digest = study.digest;
+  layers_.seed = study.seed;
+}
+
+bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
+  const auto found = layers_.by_name.find(name);
+  if (found == layers_.by_name.end() || found->second.made_from != recipe) return false;
+  const fs::path path = folder_.root / found->second.file;
+  return fs::is_regular_file(path) && digest_file(path) == found->second.digest;
+}
+
+bool LayerStore::is_other(const std::string& name, const std::string& recipe) const {
+  const auto found = layers_.by_name.find(name);
+  return found != layers_.by_name.end() && found->second.made_from != recipe;
+}
+
+void LayerStore::save(const std::string& name, const std::string& recipe, const HdrImage& image,
+                      ExrMetadata metadata, std::int64_t vpl_count) {
+  const std::string file = "layers/" + name + ".exr";
+  metadata["equilux_layer"] = name;
+  metadata["equilux_study"] = layers_.study_name;
+  metadata["equilux_seed"] = fmt::format("{}", layers_.seed);
+  metadata["equilux_made_from"] = recipe;
+  metadata["equilux_unit"] = "W/(m^2 sr)";
+  save_exr(image, metadata, folder_.root / file);
+  layers_.by_name[name] = {file, digest_file(folder_.root / file), recipe, vpl_count};
+}
+
+HdrImage LayerStore::load(const std::string& name) const {
+  const LayerRecord& layer = record(name);
+  const fs::path path = folder_.root / layer.file;
+  HdrImage image = load_exr(path).image;
+  if (const std::string digest = digest_file(path); digest != layer.digest) {
+    throw InputError(path.string(), "",
+                     fmt::format("the file recorded in layers.json, digest {}", layer.digest), digest);
+  }
+  return image;
+}
+
+const LayerRecord& LayerStore::record(const std::string& name) const {
+  const auto found = layers_.by_name.find(name);
+  if (found == layers_.by_name.end()) {
+    throw InputError(folder_.layers().string(), "/layers", fmt::format("the layer {}", name),
+                     "none; `equilux-render set` makes what is missing");
+  }
+  return found->second;
+}
+
+}  // namespace equilux

@@ -1,0 +1,40 @@
+// The layers of a study folder: which are whole, and writing the others.
+#pragma once
+
+#include <string>
+
+#include "stimuli/exr_file.h"
+#include "stimuli/layers.h"
+#include "stimuli/study_folder.h"
+
+namespace equilux {
+
+/// Keeps layers.json in step with the files: a layer is recorded after it stands under its name.
+class LayerStore {
+ public:
+  /// Opens what an earlier run left. errors: InputError if layers.json is damaged.
+  LayerStore(StudyFolder folder, const Study& study);
+
+  /// True if the layer is on disk as recorded and was made from this recipe. Reads the file once to check its
+  /// digest.
+  bool is_whole(const std::string& name, const std::string& recipe);
+
+  /// True if a layer of this name is recorded with another recipe.
+  bool is_other(const std::string& name, const std::string& recipe) const;
+
+  void save(const std::string& name, const std::string& recipe, const HdrImage& image, ExrMetadata metadata,
+            std::int64_t vpl_count = 0);
+
+  /// Writes layers.json. Called after each group of layers and at the end.
+  void save_record() const { save_layers(layers_, folder_.layers()); }
+
+  /// errors: InputError if it is not there, or its bytes are not those recorded.
+  HdrImage load(const std::string& name) const;
+  const LayerRecord& record(const std::string& name) const;
+
+ private:
+  StudyFolder folder_;
+  Layers layers_;
+};
+
+}  // namespace equilux

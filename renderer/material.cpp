@@ -1,0 +1,67 @@
+// Evaluation, sampling and density of the BRDFs.
+#include "renderer/material.h"
+
+#include <cmath>
+
+namespace equilux {
+
+Material make_material(const MaterialSpec& spec) {
+  const float diffuse = max_component(spec.rho_d), glossy = max_component(spec.rho_s);
+  return {spec.rho_d, spec.rho_s, spec.roughness_alpha, glossy > 0 ? glossy / (glossy + diffuse) : 0};
+}
+
+float eval_glossy(float alpha, Vec3 v, Vec3 l) {
+  if (!(v.z > 0) || !(l.z > 0)) return 0;
+  const float a2 = alpha * alpha;
+  return std::exp(-half_vector_tan2(v, l) / a2) / (4 * kPi * a2 * v.z * l.z);
+}
+
+Vec3 eval_brdf(const Material& material, Vec3 v, Vec3 l) {
+  if (!(l.z > 0)) return {};
+  const Vec3 diffuse = material.rho_d * kInvPi;
+  if (material.glossy_share == 0) return diffuse;
+  return diffuse + material.rho_s * eval_glossy(material.alpha, v, l);
+}
+
+// pdf(l) = E / (4 pi alpha^2 (h.v) cos^3 t) for h drawn with tan t = alpha sqrt(-ln u).
+float pdf_glossy(float alpha, Vec3 v, Vec3 l) {
+  const Vec3 h = normalize(v + l);
+  const float hv = dot(h, v);
+  if (!(h.z > 0) || !(hv > 0) || !(v.z > 0)) return 0;
+  const float a2 = alpha * alpha;
+  return std::exp(-half_vector_tan2(v, l) / a2) / (4 * kPi * a2 * hv * h.z * h.z * h.z);
+}
+
+std::optional<Vec3> sample_glossy(float alpha, Vec3 v, float u1, float u2) {
+  const float tan_t = alpha * std::sqrt(-std::log1p(-u1));
+  const float phi = 2 * kPi * u2;
+  const Vec3 h = normalize({tan_t * std::cos(phi), tan_t * std::sin(phi), 1});
+  const float hv = dot(h, v);
+  const Vec3 l = 2 * hv * h - v;
+  if (!(hv > 0) || !(l.z > 0)) return std::nullopt;
+  return l;
+}
+
+Vec3 sample_cosine(float u1, float u2) {
+  const float r = std::sqrt(u1), phi = 2 * kPi * u2;
+  return {r * std::cos(phi), r * std::sin(phi), std::sqrt(std::max(0.0f, 1 - u1))};
+}
+
+float pdf_brdf(const Material& material, Vec3 v, Vec3 l) {
+  if (!(l.z > 0)) return 0;
+  const float cosine = (1 - material.glossy_share) * l.z * kInvPi;
+  return material.glossy_share == 0 ? cosine
+                                    : cosine + material.glossy_share * pdf_glossy(material.alpha, v, l);
+}
+
+std::optional<BrdfSample> sample_brdf(const Material& material, Vec3 v, float u0, float u1, float u2) {
+  if (u0 < material.glossy_share && !(v.z > 0)) return std::nullopt;
+  const auto l = u0 < material.glossy_share ? sample_glossy(material.alpha, v, u1, u2)
+                                            : std::optional(sample_cosine(u1, u2));
+  if (!l) return std::nullopt;
+  const float pdf = pdf_brdf(material, v, *l);
+  if (!(pdf > 0)) return std::nullopt;
+  return BrdfSample{*l, eval_brdf(material, v, *l) * (l->z / pdf), pdf};
+}
+
+}  // namespace equilux

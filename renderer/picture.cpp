@@ -1,0 +1,58 @@
+// A scene, a method, a picture.
+#include "renderer/picture.h"
+
+#include "base/progress.h"
+#include "renderer/path_tracer.h"
+#include "renderer/shade.h"
+
+namespace equilux {
+namespace {
+
+HdrImage shade_object(const World& world, const Primary& primary, const PictureParams& params,
+                      const Materials& materials, const VplSet& vpls) {
+  const auto points = find_shading_points(primary);
+  const double pairs = static_cast<double>(points.size()) * static_cast<double>(vpls.count());
+  Progress progress("shading", pairs);
+  HdrImage layer(primary.width, primary.height);
+  for (const auto* part : {&vpls.shared, &vpls.own}) {
+    const auto shaded = shade_all_vpls(world, points, *part, {materials[kObjectMaterial]},
+                                       {params.clamp_per_m2}, [&](double done) { progress.advance(done); });
+    add_to_layer(shaded, 0, 0, points, primary.positions, layer);
+  }
+  return layer;
+}
+
+}  // namespace
+
+Picture make_picture(const PictureParams& params) {
+  const Scene scene = load_scene(params.scene_path);
+  const MaterialSpec& object_material = find_material(scene, params.object.material);
+  const World world = make_world(scene, params.object.geometry, params.object.illumination);
+  const Materials materials = make_materials(world, object_material);
+  const Primary primary = trace_primary(world, make_view_camera(scene, params.view), params.width,
+                                        params.height, params.positions);
+  PathCounts paths = params.paths;
+  if (params.vpl_count) paths.object_indirect = 1;  // replaced below
+  FamilyLayers layers;
+  {
+    Progress progress("path tracing", count_family_paths(primary, paths));
+    layers = trace_family(world, materials, primary, paths, params.seed,
+                          format_key(Family{params.object, params.view}),
+                          [&](double done) { progress.advance(done); });
+  }
+  Picture picture;
+  if (params.vpl_count) {
+    const std::int64_t path_count = find_path_count(world, *params.vpl_count, params.seed);
+    const VplSet vpls = trace_vpls(world, materials, path_count, params.seed, "vpls");
+    picture.vpl_count = vpls.count();
+    layers.indirect = shade_object(world, primary, params, materials, vpls);
+  }
+  picture.image = composite({&layers.background, &layers.direct, &layers.indirect});
+  const HdrImage coverage = make_coverage(primary);
+  const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);
+  picture.display = apply_tone_curve(picture.image, tone);
+  picture.noise = measure_display_noise(picture.image, layers.standard_error, coverage, tone);
+  return picture;
+}
+
+}  // namespace equilux

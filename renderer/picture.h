@@ -1,0 +1,37 @@
+// One picture of a scene, outside any study.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "protocols/study.h"
+#include "renderer/tone.h"
+
+namespace equilux {
+
+struct PictureParams {
+  std::filesystem::path scene_path;
+  Object object;
+  int view = 0;
+  int width = 560;
+  int height = 420;
+  int positions = 4;
+  PathCounts paths{256, 16, 256};
+  std::optional<std::int64_t> vpl_count;  ///< empty: path traced
+  double clamp_per_m2 = 0;                ///< with VPLs; infinite for none
+  std::uint64_t seed = 1;
+};
+
+struct Picture {
+  HdrImage image;
+  LdrImage display;            ///< through the tone curve of its own background
+  std::int64_t vpl_count = 0;  ///< true number
+  DisplayNoise noise;          ///< of its path-traced parts
+};
+
+/// errors: InputError
+Picture make_picture(const PictureParams& params);
+
+}  // namespace equilux

@@ -1,0 +1,41 @@
+// What the camera sees through each subpixel position: made once for a geometry and view, shared by all its
+// layers.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "renderer/world.h"
+#include "stimuli/image.h"
+
+namespace equilux {
+
+enum class PrimaryKind : std::uint8_t { kNothing, kObject, kRoom };
+
+struct PrimaryHit {
+  PrimaryKind kind = PrimaryKind::kNothing;
+  SurfacePoint point;
+  Vec3 v;  ///< towards the camera
+};
+
+/// shape: hits is height x width x positions.
+struct Primary {
+  int width = 0;
+  int height = 0;
+  int positions = 0;
+  std::vector<PrimaryHit> hits;
+
+  const PrimaryHit& at(std::size_t pixel, int position) const {
+    return hits[pixel * static_cast<std::size_t>(positions) + static_cast<std::size_t>(position)];
+  }
+};
+
+/// The fixed set of subpixel positions: Hammersley points in the unit square, the centre alone for one.
+std::vector<std::array<float, 2>> make_subpixel_positions(int count);
+
+Primary trace_primary(const World& world, const Camera& camera, int width, int height, int positions);
+
+/// Share of the positions at which the object is seen. shape: height x width x 1
+HdrImage make_coverage(const Primary& primary);
+
+}  // namespace equilux

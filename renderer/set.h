@@ -1,0 +1,40 @@
+// A whole stimulus set: from a study to its layers, pictures and manifest.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "protocols/study.h"
+#include "renderer/tone.h"
+
+namespace equilux {
+
+struct SetParams {
+  std::filesystem::path study_path;
+  std::filesystem::path folder;
+  std::string only = "*";  ///< glob over keys of pictures and references
+};
+
+/// What a run did. units: s
+struct SetSummary {
+  std::size_t pictures = 0;          ///< in the manifest that the glob names
+  std::size_t pictures_written = 0;  ///< by this run
+  std::size_t layers_rendered = 0;   ///< by this run
+  std::map<std::string, double> seconds;
+  std::map<std::string, DisplayNoise> noise;  ///< by key of the reference
+  NoiseTarget target;
+};
+
+/// Renders what is missing, then tone-maps. What is whole on disk and made from the same is kept; a run that
+/// was stopped goes on. Where the folder holds sessions, a picture that may have been shown is never changed.
+/// errors: InputError, StoreError
+SetSummary make_set(const SetParams& params);
+
+/// Tone-maps the layers of a folder again, by its own study file. errors: InputError if a layer is missing.
+SetSummary tonemap_set(const std::filesystem::path& folder, const std::string& only = "*");
+
+std::string format_summary(const SetSummary& summary);
+
+}  // namespace equilux

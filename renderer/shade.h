@@ -1,0 +1,48 @@
+// Light of VPLs at points of the object: the plain sum, all clamp levels and materials in one pass.
+// shade_lightcut will stand beside it, with the same inputs and outputs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "renderer/primary.h"
+#include "renderer/vpl.h"
+
+namespace equilux {
+
+/// A point of the object that the camera sees.
+struct ShadingPoint {
+  std::uint32_t pixel = 0;
+  SurfacePoint surface;
+  Vec3 v;
+};
+
+/// Points of the object in the order of a Morton curve over pixels, so that neighbours are near in space.
+std::vector<ShadingPoint> find_shading_points(const Primary& primary);
+
+/// Radiance towards v. shape: material x level x point, point fastest.
+struct ShadedPoints {
+  std::size_t levels = 0;
+  std::size_t points = 0;
+  std::vector<Vec3> radiance;
+
+  std::size_t index(std::size_t material, std::size_t level, std::size_t point) const {
+    return (material * levels + level) * points + point;
+  }
+};
+
+/// L(x) = sum_k min{c, M_k / r_k^2} cos_k I_k V_k, M = f cl at x, for every clamp c in `clamps_per_m2` and
+/// every material of the object. One shadow ray serves them all. With colour the clamp acts on M's largest
+/// channel and scales all three alike. `progress` is told point-VPL pairs done, from any thread. source:
+/// Krivanek, Ferwerda, Bala 2010, section 3.
+ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>& points,
+                            const std::vector<Vpl>& vpls, const std::vector<Material>& materials,
+                            const std::vector<double>& clamps_per_m2,
+                            const std::function<void(double)>& progress);
+
+/// Adds the points of one material and level to a layer: each counts as its subpixel position's share.
+void add_to_layer(const ShadedPoints& shaded, std::size_t material, std::size_t level,
+                  const std::vector<ShadingPoint>& points, int positions, HdrImage& layer);
+
+}  // namespace equilux

@@ -1,0 +1,135 @@
+// Tone mapping.
+#include "renderer/tone.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace equilux {
+namespace {
+
+double luminance_of(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
+
+// The value at the nearest rank of a share of the sorted values; 0 of none.
+double nearest_rank(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  const auto index =
+      static_cast<std::ptrdiff_t>(std::clamp(rank, 1.0, static_cast<double>(values.size()))) - 1;
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += value;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+std::vector<double> collect_luminance(const HdrImage& image, const HdrImage& coverage, Exposure exposure) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    if (exposure == Exposure::kWhole || coverage.values[i] == 0)
+      values.push_back(luminance_of(image.pixel(i)));
+  }
+  return values;
+}
+
+double encode_srgb(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double mean_luminance(const HdrImage& image) {
+  double sum = 0;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) sum += luminance_of(image.pixel(i));
+  return sum / static_cast<double>(image.pixel_count());
+}
+
+}  // namespace
+
+HdrImage composite(const std::vector<const HdrImage*>& layers) {
+  EQ_CHECK(!layers.empty());
+  HdrImage sum = *layers.front();
+  for (std::size_t i = 1; i < layers.size(); ++i) {
+    EQ_CHECK(layers[i]->values.size() == sum.values.size(), layers[i]->values.size(), sum.values.size());
+    for (std::size_t j = 0; j < sum.values.size(); ++j) sum.values[j] += layers[i]->values[j];
+  }
+  return sum;
+}
+
+ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, Exposure exposure,
+                           double key) {
+  std::vector<double> values = collect_luminance(reference, coverage, exposure);
+  if (values.empty()) values = collect_luminance(reference, coverage, Exposure::kWhole);
+  ToneRecord tone;
+  tone.key = key;
+  tone.exposure = exposure == Exposure::kWhole ? "whole" : "background";
+  const double mean = mean_of(values);
+  if (!(mean > 0)) {
+    tone.log_average = 1;
+    return tone;
+  }
+  tone.delta = 1e-6 * mean;
+  double logs = 0;
+  for (double value : values) logs += std::log(tone.delta + value);
+  tone.log_average = std::exp(logs / static_cast<double>(values.size()));
+  tone.white = nearest_rank(std::move(values), 0.999) * key / tone.log_average;
+  return tone;
+}
+
+std::array<double, 3> eval_display(const ToneRecord& tone, const float* rgb) {
+  const double world = luminance_of(rgb);
+  if (!(world > 0)) return {0, 0, 0};
+  const double scaled = tone.key * world / tone.log_average;
+  const double burn = tone.white > 0 ? scaled / (tone.white * tone.white) : 0;
+  const double display = scaled * (1 + burn) / (1 + scaled);
+  std::array<double, 3> values{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    values[c] = 255 * encode_srgb(std::clamp(rgb[c] * display / world, 0.0, 1.0));
+  }
+  return values;
+}
+
+LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone) {
+  LdrImage picture(image.width, image.height);
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const auto display = eval_display(tone, image.pixel(i));
+    for (std::size_t c = 0; c < 3; ++c)
+      picture.values[3 * i + c] = static_cast<std::uint8_t>(std::floor(display[c] + 0.5));
+  }
+  return picture;
+}
+
+DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
+                                   const HdrImage& coverage, const ToneRecord& tone) {
+  std::vector<double> object, outside;
+  for (std::size_t i = 0; i < reference.pixel_count(); ++i) {
+    std::array<float, 3> low{}, high{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      low[c] = std::max(0.0f, reference.pixel(i)[c] - standard_error.pixel(i)[c]);
+      high[c] = reference.pixel(i)[c] + standard_error.pixel(i)[c];
+    }
+    const auto below = eval_display(tone, low.data()), above = eval_display(tone, high.data());
+    double largest = 0;
+    for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, (above[c] - below[c]) / 2);
+    (coverage.values[i] > 0 ? object : outside).push_back(largest);
+  }
+  return {mean_of(object), nearest_rank(object, 0.99), mean_of(outside)};
+}
+
+bool meets_target(const DisplayNoise& noise, const NoiseTarget& target) {
+  return noise.object_mean <= target.object_mean && noise.object_p99 <= target.object_p99 &&
+         noise.outside_mean <= target.outside_mean;
+}
+
+HdrImage normalise_luminance(const HdrImage& clamped, const HdrImage& unclamped) {
+  const double have = mean_luminance(clamped), want = mean_luminance(unclamped);
+  if (!(have > 0)) return clamped;
+  HdrImage scaled = clamped;
+  for (float& value : scaled.values) value = static_cast<float>(value * (want / have));
+  return scaled;
+}
+
+}  // namespace equilux

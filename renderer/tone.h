@@ -1,0 +1,46 @@
+// From layers of radiance to what a screen shows: one tone curve a family, from its reference.
+#pragma once
+
+#include "protocols/study.h"
+#include "stimuli/image.h"
+#include "stimuli/manifest.h"
+
+namespace equilux {
+
+/// Sum of layers of one size. Layers are premultiplied by coverage, so they simply add up.
+HdrImage composite(const std::vector<const HdrImage*>& layers);
+
+/// Reinhard's global operator, its log-average and white point (99.9th percentile of L by nearest rank) taken
+/// over the pixels of coverage 0, or over all if `exposure` says so or the object covers everything.
+/// Luminance is that of Rec.709 (the paper of the operator uses .27, .67, .06). A black picture gets a curve
+/// that keeps black black. source: Reinhard, Stark, Shirley, Ferwerda, "Photographic tone reproduction for
+/// digital images", SIGGRAPH 2002, eq. 1-4.
+ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, Exposure exposure,
+                           double key);
+
+/// The displayed value of a linear colour before rounding. shape: 3. units: steps of 255
+std::array<double, 3> eval_display(const ToneRecord& tone, const float* rgb);
+
+/// Tone curve, sRGB transfer function, 8 bit.
+LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone);
+
+/// Standard error of a reference as displayed. units: steps of 255
+struct DisplayNoise {
+  double object_mean = 0;
+  double object_p99 = 0;
+  double outside_mean = 0;
+};
+
+/// Each pixel's standard error through the tone curve (half the displayed difference of mean + and - one
+/// standard error, the largest channel); then over pixels of coverage > 0 and of coverage 0.
+DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
+                                   const HdrImage& coverage, const ToneRecord& tone);
+
+bool meets_target(const DisplayNoise& noise, const NoiseTarget& target);
+
+/// Scales a clamped layer so that its mean luminance equals that of the unclamped layer of the same VPLs.
+/// Layers are premultiplied, so their plain means are weighted by coverage. A black clamped layer stays
+/// black.
+HdrImage normalise_luminance(const HdrImage& clamped, const HdrImage& unclamped);
+
+}  // namespace equilux

@@ -1,0 +1,138 @@
+// Particle tracing.
+#include "renderer/vpl.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "renderer/lights.h"
+#include "renderer/parallel.h"
+
+namespace equilux {
+namespace {
+
+constexpr std::int64_t kPilotPaths = 100000;
+constexpr std::size_t kPathsPerBlock = 1024;
+constexpr float kPilotReflectance = 0.19f;
+
+struct Particle {
+  Vec3 origin;
+  Vec3 direction;
+  Vec3 weight;  // W
+  bool met_object = false;
+};
+
+// Weight of what leaves over what comes, f |ns.wi| |ng.wo| / (|ng.wi| pdf): the adjoint of the path tracer's
+// rule, in which light counts with the shading cosine where it comes in. The diffuse lobe is drawn about ng,
+// where it leaves.
+std::optional<Vec3> sample_particle(const Material& material, const SurfacePoint& point, Vec3 wi,
+                                    RandomStream& random, Vec3& weight) {
+  const float u0 = random.next_float(), u1 = random.next_float(), u2 = random.next_float();
+  const Frame shading(point.ns);
+  const Vec3 wi_local = shading.to_local(wi);
+  Vec3 wo;
+  if (u0 < material.glossy_share) {
+    const auto sample = sample_glossy(material.alpha, wi_local, u1, u2);
+    if (!sample) return std::nullopt;
+    wo = shading.to_world(*sample);
+  } else {
+    wo = Frame(point.ng).to_world(sample_cosine(u1, u2));
+  }
+  const float cos_out = dot(point.ng, wo);
+  if (!(cos_out > 0)) return std::nullopt;
+  const Vec3 wo_local = shading.to_local(wo);
+  float pdf = (1 - material.glossy_share) * cos_out * kInvPi;
+  Vec3 f = material.rho_d * kInvPi;
+  if (material.glossy_share > 0) {
+    pdf += material.glossy_share * pdf_glossy(material.alpha, wi_local, wo_local);
+    f += material.rho_s * eval_glossy(material.alpha, wi_local, wo_local);
+  }
+  if (!(pdf > 0)) return std::nullopt;
+  weight = weight * f * (wi_local.z * cos_out / (dot(point.ng, wi) * pdf));
+  return wo;
+}
+
+// Unbiased roulette: weights above 1 survive for certain and are kept.
+bool survives(Vec3 before, Vec3& after, RandomStream& random) {
+  const float share = std::min(1.0f, max_component(after) / max_component(before));
+  if (!(share > 0) || random.next_float() >= share) return false;
+  after = after / share;
+  return true;
+}
+
+void add_vpl(VplSet& set, const SurfacePoint& point, const Material& material, Vec3 wi,
+             const Particle& particle) {
+  const Vec3 flux = particle.weight * (dot(point.ns, wi) / dot(point.ng, wi));
+  const Vpl vpl{point.p, point.epsilon, point.ng, flux * material.rho_d * kInvPi};
+  if (vpl.intensity == Vec3{}) return;
+  (particle.met_object ? set.own : set.shared).push_back(vpl);
+}
+
+void trace_path(const World& world, const Materials& materials, RandomStream random, float share,
+                VplSet& set) {
+  const auto emission = sample_emission(world, random);
+  if (!emission) return;
+  Particle particle{emission->origin, emission->direction, emission->weight * share, false};
+  while (max_component(particle.weight) > 0) {
+    const auto hit = world.intersect(particle.origin, particle.direction);
+    const Vec3 wi = -particle.direction;
+    if (!hit || !(dot(hit->ns, wi) > 0)) return;
+    particle.met_object = particle.met_object || hit->is_object;
+    const Material& material = materials[hit->material];
+    add_vpl(set, *hit, material, wi, particle);
+    const Vec3 before = particle.weight;
+    const auto wo = sample_particle(material, *hit, wi, random, particle.weight);
+    if (!wo || !survives(before, particle.weight, random)) return;
+    particle.origin = hit->origin();
+    particle.direction = *wo;
+  }
+}
+
+template <typename T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+void check_finite(const std::vector<Vpl>& vpls) {
+  const auto bad =
+      std::count_if(vpls.begin(), vpls.end(), [](const Vpl& vpl) { return !is_finite(vpl.intensity); });
+  EQ_CHECK(bad == 0, bad);
+}
+
+}  // namespace
+
+VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
+                  const std::string& stream_name) {
+  EQ_CHECK(paths > 0, paths);
+  const StreamKey key = make_stream_key(seed, stream_name);
+  const auto count = static_cast<std::size_t>(paths);
+  std::vector<VplSet> blocks((count + kPathsPerBlock - 1) / kPathsPerBlock);
+  for_each_parallel(blocks.size(), [&](std::size_t block) {
+    const std::size_t last = std::min(count, (block + 1) * kPathsPerBlock);
+    for (std::size_t i = block * kPathsPerBlock; i < last; ++i) {
+      trace_path(world, materials, RandomStream(key, i), 1.0f / static_cast<float>(paths), blocks[block]);
+    }
+  });
+  VplSet set;
+  set.paths = paths;
+  for (const VplSet& block : blocks) {
+    append(set.shared, block.shared);
+    append(set.own, block.own);
+  }
+  check_finite(set.shared);
+  check_finite(set.own);
+  return set;
+}
+
+std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed) {
+  const float grey = kPilotReflectance;
+  const Materials materials = make_materials(world, {"pilot", {grey, grey, grey}, {}, 0});
+  const VplSet pilot = trace_vpls(world, materials, kPilotPaths, seed, "vpl-pilot");
+  if (pilot.count() == 0)
+    throw InputError("scene", "/lights", "light that reaches a surface that is not black", "none");
+  const double per_path = static_cast<double>(pilot.count()) / static_cast<double>(kPilotPaths);
+  return std::max<std::int64_t>(1, std::llround(static_cast<double>(target) / per_path));
+}
+
+}  // namespace equilux

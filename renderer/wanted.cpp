@@ -1,0 +1,82 @@
+// From a study and a glob to keys and recipes.
+#include "renderer/wanted.h"
+
+#include <algorithm>
+#include <fnmatch.h>
+
+#include "base/error.h"
+#include "base/json.h"
+
+namespace equilux {
+namespace {
+
+// Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
+// anew.
+constexpr int kPathEstimator = 1;
+constexpr int kVplEstimator = 1;
+
+bool matches(const std::string& key, const std::string& glob) {
+  return fnmatch(glob.c_str(), key.c_str(), 0) == 0;
+}
+
+Json common_recipe(const Study& study, const Scene& scene, const Object& object, int view) {
+  Json json;
+  json.set("scene", digest_scene_part(scene, object))
+      .set("view", view)
+      .set("illumination", format_illumination(object.illumination));
+  json.set("width", study.width).set("height", study.height).set("positions", study.subpixel_positions);
+  json.set("seed", study.seed);
+  return json;
+}
+
+}  // namespace
+
+Wanted enumerate_wanted(const Study& study, const std::string& only) {
+  Wanted wanted;
+  std::set<Family> families;
+  for (const Condition& condition : enumerate_conditions(study)) {
+    if (!matches(format_key(condition), only)) continue;
+    wanted.conditions.push_back(condition);
+    families.insert(family_of(condition));
+  }
+  const auto references = enumerate_references(study);
+  for (const Family& family : references) {
+    if (matches(format_key(family), only) || families.contains(family)) wanted.families.push_back(family);
+  }
+  if (wanted.families.empty()) {
+    throw InputError("--only", "",
+                     fmt::format("a glob that names pictures of {}, such as {}", study.name,
+                                 format_key(references.front())),
+                     only);
+  }
+  return wanted;
+}
+
+std::string vpl_layer_name(Condition condition) {
+  condition.cell.normalised = false;
+  return format_key(condition);
+}
+
+std::set<int> needed_levels(const Condition& condition) {
+  std::set<int> levels{condition.cell.clamp_level};
+  if (condition.cell.normalised) levels.insert(0);
+  return levels;
+}
+
+std::string digest_family_recipe(const Study& study, const Scene& scene, const Family& family) {
+  Json json = common_recipe(study, scene, family.object, family.view);
+  json.set("estimator", "path").set("estimator_version", kPathEstimator);
+  json.set("paths_indirect", study.paths.object_indirect).set("paths_direct", study.paths.object_direct);
+  json.set("paths_background", study.paths.background);
+  return digest_json(json);
+}
+
+std::string digest_vpl_recipe(const Study& study, const Scene& scene, const Condition& condition) {
+  const Column& column = condition.cell.column;
+  Json json = common_recipe(study, scene, column.object, condition.view);
+  json.set("estimator", "vpl-sum").set("estimator_version", kVplEstimator).set("emission", "lambertian");
+  json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));
+  return digest_json(json);
+}
+
+}  // namespace equilux

@@ -1,0 +1,37 @@
+// What a study (or the part of it that a glob names) needs: pictures, and the layers under them.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "protocols/study.h"
+#include "stimuli/scene.h"
+
+namespace equilux {
+
+/// Pictures to make. A condition brings its family along, since the tone curve is the reference's.
+struct Wanted {
+  std::vector<Family> families;
+  std::vector<Condition> conditions;
+};
+
+/// errors: InputError if the glob names nothing.
+Wanted enumerate_wanted(const Study& study, const std::string& only);
+
+/// Contents of a family's layers.
+inline constexpr const char* kFamilyContents[] = {"background", "coverage", "direct", "indirect",
+                                                  "standard_error"};
+
+/// Name of the layer of a VPL picture: the key of its condition, not normalised.
+std::string vpl_layer_name(Condition condition);
+
+/// Clamp levels whose layers these pictures need: their own, and C0 where they are normalised.
+std::set<int> needed_levels(const Condition& condition);
+
+/// What a layer is made from: scene part, size, positions, seed, parameters of the estimator. Never the
+/// program's version.
+std::string digest_family_recipe(const Study& study, const Scene& scene, const Family& family);
+std::string digest_vpl_recipe(const Study& study, const Scene& scene, const Condition& condition);
+
+}  // namespace equilux

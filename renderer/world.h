@@ -1,0 +1,78 @@
+// The world of one geometry under one illumination, ready for rays.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/material.h"
+#include "stimuli/scene.h"
+
+namespace equilux {
+
+/// Index of the object's material in Materials; the room's follow.
+inline constexpr std::uint32_t kObjectMaterial = 0;
+
+/// A point on a surface, seen from the side from which the ray came: both normals are on that side by ng.
+struct SurfacePoint {
+  Vec3 p;
+  Vec3 ng;            ///< geometric normal, unit
+  Vec3 ns;            ///< shading normal, unit
+  float epsilon = 0;  ///< bound on the rounding error of p: rays start this far along ng. units: m
+  std::uint32_t material = 0;
+  bool is_object = false;
+  std::int32_t emitter = -1;  ///< index of the rectangle light hit on its shining side, or -1
+
+  Vec3 origin() const { return p + ng * epsilon; }
+};
+
+/// Sixteen points, structure of arrays.
+struct alignas(64) PointPacket {
+  std::array<float, 16> x{}, y{}, z{};
+};
+
+/// Sets FTZ and DAZ in this thread: denormals are zero everywhere, in SSE and in Embree alike.
+void flush_denormals();
+
+class World {
+ public:
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  std::optional<SurfacePoint> intersect(Vec3 origin, Vec3 direction) const;
+
+  /// True if something stands on the open segment between two points that are off their surfaces already.
+  bool is_occluded(Vec3 from, Vec3 to) const;
+
+  /// The same for the lanes in `valid`, all towards one point. Gives the lanes that are NOT occluded.
+  std::uint32_t find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const;
+
+  const std::vector<SpotLight>& spots() const { return spots_; }
+  const std::vector<RectangleLight>& rectangles() const { return rectangles_; }
+  const std::vector<MaterialSpec>& room_materials() const { return room_materials_; }
+  std::size_t triangle_count() const;
+
+ private:
+  friend World make_world(const Scene& scene, const std::string& geometry, Illumination illumination);
+  World();
+
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  std::vector<SpotLight> spots_;
+  std::vector<RectangleLight> rectangles_;
+  std::vector<MaterialSpec> room_materials_;  ///< index: SurfacePoint::material - 1
+};
+
+/// Makes only what this geometry and illumination need: other objects and lights that are off are left out.
+/// errors: InputError for a geometry that the scene lacks or a mesh that cannot be read.
+World make_world(const Scene& scene, const std::string& geometry, Illumination illumination);
+
+/// The world's materials with the object's in its place.
+using Materials = std::vector<Material>;
+Materials make_materials(const World& world, const MaterialSpec& object_material);
+
+}  // namespace equilux

@@ -1,0 +1,116 @@
+// The one file that knows OpenEXR.
+#include "stimuli/exr_file.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/files.h"
+
+namespace equilux {
+namespace {
+
+constexpr int kMaxSide = 16384;
+
+std::vector<const char*> channel_names(int channels) {
+  return channels == 1 ? std::vector<const char*>{"Y"} : std::vector<const char*>{"R", "G", "B"};
+}
+
+Imf::FrameBuffer make_frame_buffer(HdrImage& image, const Imath::V2i& origin) {
+  Imf::FrameBuffer buffer;
+  const std::size_t pixel_bytes = sizeof(float) * static_cast<std::size_t>(image.channels);
+  const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(image.width);
+  std::size_t channel = 0;
+  for (const char* name : channel_names(image.channels)) {
+    auto* base = reinterpret_cast<char*>(image.values.data() + channel++);
+    base -= static_cast<std::ptrdiff_t>(pixel_bytes) * origin.x +
+            static_cast<std::ptrdiff_t>(row_bytes) * origin.y;
+    buffer.insert(name, Imf::Slice(Imf::FLOAT, base, pixel_bytes, row_bytes));
+  }
+  return buffer;
+}
+
+HdrImage make_image(const Imf::Header& header, const std::string& source) {
+  const Imath::Box2i window = header.dataWindow();
+  const auto width = std::int64_t{window.max.x} - window.min.x + 1,
+             height = std::int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {
+    throw InputError(source, "dataWindow", fmt::format("1 to {} pixels a side", kMaxSide),
+                     fmt::format("{} x {}", width, height));
+  }
+  const bool has_luminance = header.channels().findChannel("Y") != nullptr;
+  const int channels = has_luminance ? 1 : 3;
+  for (const char* name : channel_names(channels)) {
+    if (!header.channels().findChannel(name)) throw InputError(source, "channels", "R, G, B, or Y", "others");
+  }
+  return HdrImage(static_cast<int>(width), static_cast<int>(height), channels);
+}
+
+void check_finite(const HdrImage& image, const std::string& source) {
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    if (std::isfinite(image.values[i])) continue;
+    const std::size_t pixel = i / static_cast<std::size_t>(image.channels);
+    const auto width = static_cast<std::size_t>(image.width);
+    throw InputError(source, fmt::format("pixel ({}, {})", pixel % width, pixel / width), "finite values",
+                     fmt::format("{}", image.values[i]));
+  }
+}
+
+ExrFile read_exr(const std::filesystem::path& path) {
+  Imf::InputFile input(path.c_str(), 0);
+  const Imf::Header& header = input.header();
+  ExrFile file{make_image(header, path.string()), {}};
+  input.setFrameBuffer(make_frame_buffer(file.image, header.dataWindow().min));
+  input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute())) {
+      file.metadata[attribute.name()] = text->value();
+    }
+  }
+  check_finite(file.image, path.string());
+  return file;
+}
+
+void write_exr(HdrImage image, const ExrMetadata& metadata, const std::filesystem::path& path) {
+  Imf::Header header(image.width, image.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  for (const char* name : channel_names(image.channels))
+    header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, value] : metadata) header.insert(name, Imf::StringAttribute(value));
+  Imf::OutputFile output(path.c_str(), header, 0);
+  output.setFrameBuffer(make_frame_buffer(image, {0, 0}));
+  output.writePixels(image.height);
+}
+
+}  // namespace
+
+ExrFile load_exr(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError(path.string(), "", "an EXR file", "no such file");
+  try {  // the boundary to a library that throws its own
+    return read_exr(path);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw InputError(path.string(), "", "a whole EXR file", error.what());
+  }
+}
+
+void save_exr(const HdrImage& image, const ExrMetadata& metadata, const std::filesystem::path& path) {
+  for (float value : image.values) EQ_CHECK(std::isfinite(value), path.string(), value);
+  try {  // the boundary to a library that throws its own
+    save_atomically(path,
+                    [&](const std::filesystem::path& temporary) { write_exr(image, metadata, temporary); });
+  } catch (const StoreError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw StoreError(fmt::format("{}: cannot write: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace equilux

@@ -1,0 +1,27 @@
+// EXR files: linear float layers with the names and digests that they carry.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "stimuli/image.h"
+
+namespace equilux {
+
+using ExrMetadata = std::map<std::string, std::string>;
+
+struct ExrFile {
+  HdrImage image;
+  ExrMetadata metadata;  ///< the string attributes
+};
+
+/// Reads channels R, G, B, or Y alone. errors: InputError for a missing, damaged, other or larger than 16,384
+/// x 16,384 file, and for values that are not finite.
+ExrFile load_exr(const std::filesystem::path& path);
+
+/// 32-bit float, ZIP. The same picture and metadata always give the same bytes.
+/// errors: StoreError; a value that is not finite is our bug.
+void save_exr(const HdrImage& image, const ExrMetadata& metadata, const std::filesystem::path& path);
+
+}  // namespace equilux

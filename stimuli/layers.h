@@ -1,0 +1,37 @@
+// layers.json: the EXR layers that were rendered, each with its digest and what it was made from.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "base/json.h"
+#include "protocols/condition.h"
+
+namespace equilux {
+
+struct LayerRecord {
+  std::string file;            ///< relative to the study folder
+  std::string digest;          ///< of the EXR file
+  std::string made_from;       ///< digest of scene part, parameters and seed
+  std::int64_t vpl_count = 0;  ///< true number of VPLs; 0 where there are none
+};
+
+struct Layers {
+  std::string study_name;
+  std::string study_digest;
+  std::uint64_t seed = 0;
+  std::map<std::string, LayerRecord> by_name;
+};
+
+/// Names of a family's layers: those of the reference's key with what they hold, such as
+/// G1-MR-ind-ref-v0.background. A VPL layer has the name of its condition.
+std::string layer_name(const Family& family, const std::string& content);
+
+/// errors: InputError
+Layers load_layers(const std::filesystem::path& path);
+/// errors: StoreError
+void save_layers(const Layers& layers, const std::filesystem::path& path);
+
+}  // namespace equilux

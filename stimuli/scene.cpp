@@ -1,0 +1,352 @@
+// From a scene file to a checked Scene.
+#include "stimuli/scene.h"
+
+#include <numbers>
+#include <set>
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "stimuli/scene_json.h"
+
+namespace equilux {
+
+extern const char kSceneSchema[];
+
+namespace {
+namespace fs = std::filesystem;
+
+constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
+constexpr float kViewTurnDegrees = 15;
+constexpr const char* kMeshKinds[] = {"quad", "box", "lathe", "sweep", "sphere", "blob", "file", "group"};
+
+Json to_json(Vec3 v) {
+  Json json;
+  json.push(double{v.x}).push(double{v.y}).push(double{v.z});
+  return json;
+}
+
+MaterialSpec make_material(const Json& json, const std::string& source, const std::string& place) {
+  MaterialSpec material{json.at("name").as_string(), to_vec(json.at("rho_d")), {}, 0};
+  const bool glossy = json.at("model").as_string() != "lambertian";
+  for (const char* member : {"rho_s", "alpha"}) {
+    if ((json.find(member) != nullptr) != glossy) {
+      throw InputError(source, place,
+                       glossy ? fmt::format("a member \"{}\" for ward-duer", member)
+                              : fmt::format("no member \"{}\" for lambertian", member),
+                       glossy ? "none" : "one");
+    }
+  }
+  if (glossy) {
+    material.rho_s = to_vec(json.at("rho_s"));
+    material.roughness_alpha = static_cast<float>(json.at("alpha").as_double());
+  }
+  return material;
+}
+
+SpotLight make_spot(const Json& json, const std::string& source, const std::string& place) {
+  SpotLight spot;
+  spot.position = to_vec(json.at("position"));
+  spot.direction = normalize(to_vec(json.at("target")) - spot.position);
+  if (spot.direction == Vec3{})
+    throw InputError(source, place + "/target", "a point away from position", "the same");
+  const double inner = json.at("inner_degrees").as_double(), outer = json.at("outer_degrees").as_double();
+  if (!(inner < outer)) {
+    throw InputError(source, place + "/inner_degrees", fmt::format("less than outer_degrees, {}", outer),
+                     fmt::format("{}", inner));
+  }
+  spot.cos_inner = std::cos(static_cast<float>(inner) * kRadiansPerDegree);
+  spot.cos_outer = std::cos(static_cast<float>(outer) * kRadiansPerDegree);
+  spot.intensity_w_per_sr = to_vec(json.at("intensity"));
+  return spot;
+}
+
+Light make_light(const Json& json, const std::string& source, const std::string& place) {
+  const Json* spot = json.find("spot");
+  const Json* rectangle = json.find("rectangle");
+  if ((spot != nullptr) == (rectangle != nullptr)) {
+    throw InputError(source, place, "either \"spot\" or \"rectangle\"", spot ? "both" : "neither");
+  }
+  Light light;
+  if (spot) {
+    light.shape = make_spot(*spot, source, place + "/spot");
+  } else {
+    const RectangleLight shape{to_vec(rectangle->at("corner")), to_vec(rectangle->at("u")),
+                               to_vec(rectangle->at("v")), to_vec(rectangle->at("radiance"))};
+    if (cross(shape.u, shape.v) == Vec3{}) {
+      throw InputError(source, place + "/rectangle", "u and v that span an area", "an area of zero");
+    }
+    light.shape = shape;
+  }
+  if (const Json* on = json.find("illuminations")) {
+    const auto names = on->as_strings();
+    const std::set<std::string> set(names.begin(), names.end());
+    if (!set.contains("dir")) {
+      throw InputError(source, place + "/illuminations", "\"dir\" among them: it is indirect-only and more",
+                       "only ind");
+    }
+    light.in_indirect = set.contains("ind");
+  }
+  return light;
+}
+
+Json check_mesh(const Json& json, const std::string& source, const std::string& place) {
+  int kinds = 0;
+  for (const char* kind : kMeshKinds) kinds += json.find(kind) != nullptr;
+  if (kinds != 1) {
+    throw InputError(source, place, "exactly one of quad, box, lathe, sweep, sphere, blob, file, group",
+                     fmt::format("{} of them", kinds));
+  }
+  if (const Json* lathe = json.find("lathe")) {
+    const auto& profile = lathe->at("profile").as_array();
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      if (profile[i].at(0).as_double() < 0 || (i > 0 && profile[i] == profile[i - 1])) {
+        throw InputError(source, fmt::format("{}/lathe/profile/{}", place, i),
+                         "a radius of at least 0, and not the point before", "another");
+      }
+    }
+  }
+  return json;
+}
+
+// Groups may use only meshes that stand before them, which keeps them free of cycles.
+void check_group(const Json& json, const std::map<std::string, Json>& known, const std::string& source,
+                 const std::string& place) {
+  const Json* group = json.find("group");
+  if (!group) return;
+  for (std::size_t i = 0; i < group->as_array().size(); ++i) {
+    const std::string& name = group->at(i).at("mesh").as_string();
+    if (!known.contains(name)) {
+      throw InputError(source, fmt::format("{}/group/{}/mesh", place, i),
+                       "a mesh that stands before this one", fmt::format("\"{}\"", name));
+    }
+  }
+}
+
+template <typename Check>
+void for_each_row(const Json& rows, const std::string& place, const Check& check) {
+  for (std::size_t i = 0; i < rows.as_array().size(); ++i) check(rows.at(i), fmt::format("{}/{}", place, i));
+}
+
+void check_known(bool known, const std::string& source, const std::string& place, const char* what,
+                 const Json& got) {
+  if (!known) throw InputError(source, place, fmt::format("a {} of this scene", what), describe_json(got));
+}
+
+void read_meshes(Scene& scene, const Json& json, const std::string& source) {
+  for_each_row(json.at("meshes"), "/meshes", [&](const Json& row, const std::string& place) {
+    check_group(row, scene.meshes, source, place);
+    if (!scene.meshes.emplace(row.at("name").as_string(), check_mesh(row, source, place)).second) {
+      throw InputError(source, place + "/name", "each name once", describe_json(row.at("name")) + " again");
+    }
+  });
+}
+
+void read_materials(Scene& scene, const Json& json, const std::string& source) {
+  std::set<std::string> names;
+  for_each_row(json.at("materials"), "/materials", [&](const Json& row, const std::string& place) {
+    scene.materials.push_back(make_material(row, source, place));
+    if (!names.insert(scene.materials.back().name).second) {
+      throw InputError(source, place + "/name", "each name once", describe_json(row.at("name")) + " again");
+    }
+  });
+}
+
+void read_instances(Scene& scene, const Json& json, const std::string& source) {
+  std::set<std::string> materials;
+  for (const auto& material : scene.materials) materials.insert(material.name);
+  for_each_row(json.at("instances"), "/instances", [&](const Json& row, const std::string& place) {
+    check_known(scene.meshes.contains(row.at("mesh").as_string()), source, place + "/mesh", "mesh",
+                row.at("mesh"));
+    check_known(materials.contains(row.at("material").as_string()), source, place + "/material", "material",
+                row.at("material"));
+    scene.instances.push_back(
+        {row.at("mesh").as_string(), row.at("material").as_string(), make_placement(row)});
+  });
+}
+
+void read_object(Scene& scene, const Json& json, const std::string& source) {
+  scene.stand = to_vec(json.at("object").at("stand"));
+  for_each_row(
+      json.at("object").at("geometries"), "/object/geometries",
+      [&](const Json& row, const std::string& place) {
+        check_known(scene.meshes.contains(row.at("mesh").as_string()), source, place + "/mesh", "mesh",
+                    row.at("mesh"));
+        if (!scene.geometries.emplace(row.at("name").as_string(), row.at("mesh").as_string()).second) {
+          throw InputError(source, place + "/name", "each name once",
+                           describe_json(row.at("name")) + " again");
+        }
+      });
+}
+
+void read_camera(Scene& scene, const Json& json, const std::string& source) {
+  scene.camera = {to_vec(json.at("position")), to_vec(json.at("target")), normalize(to_vec(json.at("up"))),
+                  static_cast<float>(json.at("vertical_fov_degrees").as_double())};
+  const Vec3 forward = normalize(scene.camera.target - scene.camera.position);
+  if (length(cross(forward, scene.camera.up)) < 1e-4f) {
+    throw InputError(source, "/camera/up", "a direction other than that from position to target",
+                     "the same, or zero");
+  }
+}
+
+const std::string& mesh_of(const Scene& scene, const std::string& geometry) {
+  const auto found = scene.geometries.find(geometry);
+  if (found != scene.geometries.end()) return found->second;
+  std::string known;
+  for (const auto& [name, mesh] : scene.geometries) known += (known.empty() ? "" : ", ") + name;
+  throw InputError(scene.path.string(), "/object/geometries", fmt::format("the geometry {}", geometry),
+                   known);
+}
+
+Json material_content(const MaterialSpec& material) {
+  Json json;
+  json.set("rho_d", to_json(material.rho_d)).set("rho_s", to_json(material.rho_s));
+  json.set("alpha", double{material.roughness_alpha});
+  return json;
+}
+
+Json placement_content(const Placement& placement) {
+  Json json;
+  json.set("at", to_json(placement.at)).set("turn", double{placement.turn_degrees});
+  json.set("tilt", double{placement.tilt_degrees}).set("scale", double{placement.scale});
+  return json;
+}
+
+Json light_content(const Light& light) {
+  Json json;
+  if (const auto* spot = std::get_if<SpotLight>(&light.shape)) {
+    json.set("position", to_json(spot->position)).set("direction", to_json(spot->direction));
+    json.set("cos_inner", double{spot->cos_inner}).set("cos_outer", double{spot->cos_outer});
+    json.set("intensity", to_json(spot->intensity_w_per_sr));
+  } else {
+    const auto& rectangle = std::get<RectangleLight>(light.shape);
+    json.set("corner", to_json(rectangle.corner))
+        .set("u", to_json(rectangle.u))
+        .set("v", to_json(rectangle.v));
+    json.set("radiance", to_json(rectangle.radiance_w_per_m2_sr));
+  }
+  return json;
+}
+
+// A mesh's specification without its name; files count with their bytes, groups with what they join.
+Json mesh_content(const Scene& scene, const std::string& name) {
+  const Json& spec = scene.meshes.at(name);
+  Json json;
+  for (const char* kind : kMeshKinds) {
+    if (const Json* found = spec.find(kind)) json.set(kind, *found);
+  }
+  if (spec.find("file")) json.set("bytes", digest_file(find_mesh_file(scene, name)));
+  if (const Json* group = spec.find("group")) {
+    Json parts{Json::Array{}};
+    for (const Json& part : group->as_array()) {
+      Json row = mesh_content(scene, part.at("mesh").as_string());
+      row.set("placement", placement_content(make_placement(part)));
+      parts.push(std::move(row));
+    }
+    json.set("group", std::move(parts));
+  }
+  return json;
+}
+
+}  // namespace
+
+Vec3 to_vec(const Json& json) {
+  return {static_cast<float>(json.at(0).as_double()), static_cast<float>(json.at(1).as_double()),
+          static_cast<float>(json.at(2).as_double())};
+}
+
+Placement make_placement(const Json& json) {
+  Placement placement;
+  const auto number = [&](const char* member, float& value) {
+    if (const Json* found = json.find(member)) value = static_cast<float>(found->as_double());
+  };
+  if (const Json* at = json.find("at")) placement.at = to_vec(*at);
+  number("turn_degrees", placement.turn_degrees);
+  number("tilt_degrees", placement.tilt_degrees);
+  number("scale", placement.scale);
+  return placement;
+}
+
+Scene load_scene(const fs::path& path) {
+  const std::string source = path.string();
+  const Json json = load_json(path, kSceneSchema);
+  Scene scene;
+  scene.name = json.at("name").as_string();
+  scene.path = path;
+  read_camera(scene, json.at("camera"), source);
+  read_materials(scene, json, source);
+  read_meshes(scene, json, source);
+  read_instances(scene, json, source);
+  read_object(scene, json, source);
+  for_each_row(json.at("lights"), "/lights", [&](const Json& row, const std::string& place) {
+    scene.lights.push_back(make_light(row, source, place));
+  });
+  return scene;
+}
+
+const MaterialSpec& find_material(const Scene& scene, const std::string& name) {
+  std::string known;
+  for (const MaterialSpec& material : scene.materials) {
+    if (material.name == name) return material;
+    known += (known.empty() ? "" : ", ") + material.name;
+  }
+  throw InputError(scene.path.string(), "/materials", fmt::format("the material {}", name), known);
+}
+
+TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement) {
+  const float turn = placement.turn_degrees * kRadiansPerDegree,
+              tilt = placement.tilt_degrees * kRadiansPerDegree;
+  const float ct = std::cos(turn), st = std::sin(turn), cx = std::cos(tilt), sx = std::sin(tilt);
+  const auto rotate = [&](Vec3 p) {
+    const Vec3 tilted{p.x, cx * p.y - sx * p.z, sx * p.y + cx * p.z};
+    return Vec3{ct * tilted.x - st * tilted.y, st * tilted.x + ct * tilted.y, tilted.z};
+  };
+  for (Vec3& p : mesh.positions) p = rotate(p * placement.scale) + placement.at;
+  for (Vec3& n : mesh.normals) n = rotate(n);
+  return mesh;
+}
+
+TriangleMesh make_object(const Scene& scene, const std::string& geometry) {
+  TriangleMesh mesh = make_mesh(scene, mesh_of(scene, geometry));
+  float lowest = mesh.positions.front().z;
+  for (Vec3 p : mesh.positions) lowest = std::min(lowest, p.z);
+  return place_mesh(std::move(mesh), {scene.stand - Vec3{0, 0, lowest}});
+}
+
+Camera make_view_camera(const Scene& scene, int view) {
+  Camera camera = scene.camera;
+  const float angle = static_cast<float>(view) * kViewTurnDegrees * kRadiansPerDegree;
+  const float c = std::cos(angle), s = std::sin(angle);
+  const auto turn = [&](Vec3 v) { return Vec3{c * v.x - s * v.y, s * v.x + c * v.y, v.z}; };
+  if (view == 0) return camera;
+  camera.position = scene.stand + turn(camera.position - scene.stand);
+  camera.target = scene.stand + turn(camera.target - scene.stand);
+  camera.up = turn(camera.up);
+  return camera;
+}
+
+std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material) {
+  Json json;
+  json.set("camera_position", to_json(scene.camera.position))
+      .set("camera_target", to_json(scene.camera.target));
+  json.set("camera_up", to_json(scene.camera.up)).set("fov", double{scene.camera.vertical_fov_degrees});
+  json.set("stand", to_json(scene.stand));
+  json.set("object", mesh_content(scene, mesh_of(scene, object.geometry)));
+  if (with_material) json.set("material", material_content(find_material(scene, object.material)));
+  Json room{Json::Array{}};
+  for (const Instance& instance : scene.instances) {
+    Json row;
+    row.set("mesh", mesh_content(scene, instance.mesh))
+        .set("placement", placement_content(instance.placement));
+    row.set("material", material_content(find_material(scene, instance.material)));
+    room.push(std::move(row));
+  }
+  Json lights{Json::Array{}};
+  for (const Light& light : scene.lights) {
+    if (light.in_indirect || object.illumination == Illumination::kDirectAndIndirect)
+      lights.push(light_content(light));
+  }
+  json.set("room", std::move(room)).set("lights", std::move(lights));
+  return digest_json(json);
+}
+
+}  // namespace equilux

@@ -1,0 +1,102 @@
+// A scene: camera, meshes, instances, materials, lights and the object's place, read from
+// stimuli/scenes/*.json.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/json.h"
+#include "protocols/condition.h"
+#include "stimuli/mesh.h"
+
+namespace equilux {
+
+/// units: reflectances are of one; roughness_alpha is the rms slope of the Ward models.
+struct MaterialSpec {
+  std::string name;
+  Vec3 rho_d;
+  Vec3 rho_s;                 ///< zero for Lambertian
+  float roughness_alpha = 0;  ///< 0 for Lambertian
+};
+
+/// Turned about +x by tilt, then about +z by turn, scaled, moved.
+struct Placement {
+  Vec3 at;
+  float turn_degrees = 0;
+  float tilt_degrees = 0;
+  float scale = 1;
+};
+
+struct Instance {
+  std::string mesh;
+  std::string material;
+  Placement placement;
+};
+
+/// Point light with a cone. Full intensity inside, smooth fall to zero outside. units: W/sr
+struct SpotLight {
+  Vec3 position;
+  Vec3 direction;  ///< unit
+  float cos_inner = 1;
+  float cos_outer = 0;
+  Vec3 intensity_w_per_sr;
+};
+
+/// One-sided parallelogram: corner, corner + u, ...; shines to the side of cross(u, v). units: W/(m^2 sr)
+struct RectangleLight {
+  Vec3 corner, u, v;
+  Vec3 radiance_w_per_m2_sr;
+};
+
+struct Light {
+  std::variant<SpotLight, RectangleLight> shape;
+  bool in_indirect = true;  ///< on in the indirect-only illumination; direct-and-indirect has all lights
+};
+
+struct Camera {
+  Vec3 position, target, up;
+  float vertical_fov_degrees = 40;
+};
+
+struct Scene {
+  std::string name;
+  std::filesystem::path path;
+  Camera camera;
+  std::vector<MaterialSpec> materials;
+  std::map<std::string, Json> meshes;  ///< specifications; made when they are needed
+  std::vector<Instance> instances;
+  std::vector<Light> lights;
+  Vec3 stand;  ///< where the object's lowest point touches; the views turn about its vertical
+  std::map<std::string, std::string> geometries;  ///< geometry token -> mesh
+};
+
+/// Reads and checks a scene; mesh files are looked for only when a mesh is made.
+/// errors: InputError with file and JSON pointer.
+Scene load_scene(const std::filesystem::path& path);
+
+/// errors: InputError naming the scene and what it offers.
+const MaterialSpec& find_material(const Scene& scene, const std::string& name);
+
+/// Makes a mesh of the scene by its generator, or reads its file. errors: InputError
+TriangleMesh make_mesh(const Scene& scene, const std::string& name);
+
+/// The mesh in the world. Normals turn with it.
+TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement);
+
+/// The object's mesh in the world, its lowest point on the stand. errors: InputError, also for an unknown
+/// geometry.
+TriangleMesh make_object(const Scene& scene, const std::string& geometry);
+
+/// The camera of a view: v0 looks along the scene's camera, v1 is turned 15 degrees about the vertical
+/// through the stand.
+Camera make_view_camera(const Scene& scene, int view);
+
+/// Digest of what a picture of this object depends on: camera, lights that are on, room, the object's mesh
+/// and its material. A material or geometry that is not shown has no part in it; mesh files count with their
+/// bytes. `with_material` false: what does not depend on the object's material.
+std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material = true);
+
+}  // namespace equilux

@@ -1,0 +1,88 @@
+// From a mesh's specification in a scene to its triangles.
+#include "base/error.h"
+#include "stimuli/generators.h"
+#include "stimuli/scene_json.h"
+
+namespace equilux {
+namespace {
+
+float to_float(const Json& json) { return static_cast<float>(json.as_double()); }
+
+TriangleMesh make_lathe(const Json& spec) {
+  std::vector<std::array<float, 2>> profile;
+  for (const Json& point : spec.at("profile").as_array())
+    profile.push_back({to_float(point.at(0)), to_float(point.at(1))});
+  return equilux::make_lathe(profile, static_cast<int>(spec.at("segments").as_int()));
+}
+
+TriangleMesh make_sweep(const Json& spec) {
+  std::vector<Vec3> points;
+  for (const Json& point : spec.at("points").as_array()) points.push_back(to_vec(point));
+  return equilux::make_sweep(points, to_float(spec.at("radius")),
+                             static_cast<int>(spec.at("segments").as_int()),
+                             static_cast<int>(spec.at("steps").as_int()));
+}
+
+TriangleMesh make_blob(const Json& spec) {
+  return equilux::make_blob({to_float(spec.at("radius")), to_float(spec.at("amplitude")),
+                             to_float(spec.at("frequency")),
+                             static_cast<std::uint64_t>(spec.at("seed").as_int()),
+                             static_cast<int>(spec.at("subdivisions").as_int())});
+}
+
+// Scales a mesh so that its farthest vertex is `radius` from the middle of its box, which goes to the origin.
+void fit_to_radius(TriangleMesh& mesh, float radius) {
+  Vec3 low = mesh.positions.front(), high = low;
+  for (Vec3 p : mesh.positions) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Vec3 middle = low * 0.5f + high * 0.5f;
+  float farthest = 0;
+  for (Vec3 p : mesh.positions) farthest = std::max(farthest, length(p - middle));
+  for (Vec3& p : mesh.positions) p = (p - middle) * (radius / farthest);
+}
+
+TriangleMesh load_scene_mesh(const Scene& scene, const std::string& name, const Json& spec) {
+  TriangleMesh mesh = load_mesh(find_mesh_file(scene, name));
+  const Json* up = spec.find("up");
+  if (up && up->as_string() == "y") mesh = place_mesh(std::move(mesh), {{}, 0, 90, 1});
+  if (const Json* radius = spec.find("radius")) fit_to_radius(mesh, to_float(*radius));
+  return mesh;
+}
+
+TriangleMesh make_group(const Scene& scene, const Json& spec) {
+  TriangleMesh mesh;
+  for (const Json& part : spec.as_array()) {
+    append_mesh(mesh, place_mesh(make_mesh(scene, part.at("mesh").as_string()), make_placement(part)));
+  }
+  return mesh;
+}
+
+}  // namespace
+
+std::filesystem::path find_mesh_file(const Scene& scene, const std::string& mesh) {
+  const Json& spec = scene.meshes.at(mesh).at("file");
+  auto path = scene.path.parent_path() / spec.at("path").as_string();
+  if (std::filesystem::exists(path)) return path;
+  const Json* fetch = spec.find("fetch");
+  throw InputError(scene.path.string(), fmt::format("mesh \"{}\"", mesh),
+                   fmt::format("the file {}", path.string()),
+                   "none" + (fetch ? "; " + fetch->as_string() : std::string()));
+}
+
+TriangleMesh make_mesh(const Scene& scene, const std::string& name) {
+  const Json& spec = scene.meshes.at(name);
+  if (const Json* quad = spec.find("quad")) return make_quad(to_vec(quad->at("u")), to_vec(quad->at("v")));
+  if (const Json* box = spec.find("box")) return make_box(to_vec(box->at("size")));
+  if (const Json* lathe = spec.find("lathe")) return make_lathe(*lathe);
+  if (const Json* sweep = spec.find("sweep")) return make_sweep(*sweep);
+  if (const Json* sphere = spec.find("sphere")) {
+    return make_sphere(to_float(sphere->at("radius")), static_cast<int>(sphere->at("subdivisions").as_int()));
+  }
+  if (const Json* blob = spec.find("blob")) return make_blob(*blob);
+  if (const Json* file = spec.find("file")) return load_scene_mesh(scene, name, *file);
+  return make_group(scene, spec.at("group"));
+}
+
+}  // namespace equilux
