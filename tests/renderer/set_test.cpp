@@ -1,0 +1,177 @@
+// A whole set, very small: bytes, backgrounds, resuming, refusals.
+#include "renderer/set.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "renderer/parallel.h"
+#include "stimuli/exr_file.h"
+#include "stimuli/png_file.h"
+#include "tests/renderer/tiny_study.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+std::map<std::string, std::string> digest_products(const fs::path& folder) {
+  std::map<std::string, std::string> digests;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path().filename() == "timing.json") continue;
+    digests[fs::relative(entry.path(), folder).string()] = digest_file(entry.path());
+  }
+  return digests;
+}
+
+SetSummary render(const test::TinyStudy& study, const std::string& out, const std::string& only = "*") {
+  return make_set({study.path(), study.folder() / out, only});
+}
+
+TEST(Set, GivesTheSameBytesOnOneTwoAndThreeThreadsAndInParts) {
+  const test::TinyStudy study;
+  std::vector<std::map<std::string, std::string>> products;
+  for (int threads : {1, 2, 3}) {
+    const ThreadLimit limit(threads);
+    render(study, "set" + std::to_string(threads));
+    products.push_back(digest_products(study.folder() / ("set" + std::to_string(threads))));
+  }
+  EXPECT_EQ(products[0], products[1]);
+  EXPECT_EQ(products[0], products[2]);
+  EXPECT_GT(products[0].size(), 100u);
+  render(study, "parts", "*-v1");
+  render(study, "parts", "G0-MS-ind-*-C4-v0");
+  render(study, "parts");
+  EXPECT_EQ(digest_products(study.folder() / "parts"), products[0]);
+}
+
+// The check that every pair of a reference and its tests must pass; gives the first key that differs outside
+// the object.
+std::string find_background_change(const fs::path& folder, const Study& study) {
+  for (const Condition& condition : enumerate_conditions(study)) {
+    const Family family = family_of(condition);
+    const LdrImage test = load_png(folder / "pictures" / (format_key(condition) + ".png"));
+    const LdrImage reference = load_png(folder / "pictures" / (format_key(family) + ".png"));
+    const HdrImage coverage = load_exr(folder / "layers" / (format_key(family) + ".coverage.exr")).image;
+    for (std::size_t i = 0; i < coverage.values.size(); ++i) {
+      if (coverage.values[i] > 0) continue;
+      if (!std::equal(&test.values[3 * i], &test.values[3 * i] + 3, &reference.values[3 * i]))
+        return format_key(condition);
+    }
+  }
+  return "";
+}
+
+TEST(Set, PicturesAndTheirReferenceAreEqualOutsideTheObject) {
+  const test::TinyStudy study;
+  render(study, "set");
+  EXPECT_EQ(find_background_change(study.folder() / "set", study.load()), "");
+}
+
+TEST(Set, AMutantBackgroundChangedByOneBitIsCaught) {
+  const test::TinyStudy study;
+  render(study, "set");
+  const std::string key = "G0-MS-ind-100-C4-v1";
+  const fs::path path = study.folder() / "set" / "pictures" / (key + ".png");
+  LdrImage picture = load_png(path);
+  picture.values[0] ^= 1;  // the upper left corner is wall
+  save_png(picture, path);
+  EXPECT_EQ(find_background_change(study.folder() / "set", study.load()), key);
+}
+
+TEST(Set, LayersAddUpAndNoneIsLitOutsideItsPlace) {
+  const test::TinyStudy study;
+  render(study, "set");
+  const fs::path layers = study.folder() / "set" / "layers";
+  for (const std::string family : {"G0-MS-ind-ref-v0", "G0-GS-dir-ref-v1"}) {
+    const HdrImage coverage = load_exr(layers / (family + ".coverage.exr")).image;
+    const HdrImage background = load_exr(layers / (family + ".background.exr")).image;
+    const HdrImage indirect = load_exr(layers / (family + ".indirect.exr")).image;
+    const HdrImage direct = load_exr(layers / (family + ".direct.exr")).image;
+    double lit = 0;
+    for (std::size_t i = 0; i < coverage.values.size(); ++i) {
+      if (coverage.values[i] == 1) {
+        EXPECT_EQ(background.pixel(i)[1], 0);
+      }
+      if (coverage.values[i] == 0) {
+        EXPECT_EQ(indirect.pixel(i)[1] + direct.pixel(i)[1], 0);
+      }
+      lit += direct.pixel(i)[1];
+    }
+    if (family.find("-ind-") != std::string::npos) {
+      EXPECT_EQ(lit, 0) << "indirect-only, yet light reaches the object directly";
+    } else {
+      EXPECT_GT(lit, 0);
+    }
+  }
+}
+
+TEST(Set, ASecondRunRedoesNothing) {
+  const test::TinyStudy study;
+  const auto first = render(study, "set");
+  EXPECT_GT(first.layers_rendered, 0u);
+  const auto before = fs::last_write_time(study.folder() / "set/pictures/G0-MS-ind-100-C4-v0.png");
+  const auto second = render(study, "set");
+  EXPECT_EQ(second.layers_rendered, 0u);
+  EXPECT_EQ(second.pictures_written, 0u);
+  EXPECT_EQ(second.pictures, first.pictures);
+  EXPECT_EQ(fs::last_write_time(study.folder() / "set/pictures/G0-MS-ind-100-C4-v0.png"), before);
+}
+
+TEST(Set, WhatIsMissingOrDamagedIsMadeAgainTheSame) {
+  const test::TinyStudy study;
+  render(study, "set");
+  const auto whole = digest_products(study.folder() / "set");
+  fs::remove(study.folder() / "set/pictures/G0-GS-ind-100-C2-v0.png");
+  fs::remove(study.folder() / "set/layers/G0-MS-ind-100-C7-v1.exr");
+  fs::resize_file(study.folder() / "set/layers/G0-MS-ind-ref-v0.background.exr", 200);
+  const auto summary = render(study, "set");
+  EXPECT_EQ(summary.layers_rendered, 6u);  // one VPL layer, and the five of a family, which are made together
+  EXPECT_EQ(digest_products(study.folder() / "set"), whole);
+}
+
+TEST(Set, AFolderWithSessionsRefusesToChangeAPictureThatMayHaveBeenShown) {
+  const test::TinyStudy study;
+  render(study, "set");
+  const auto whole = digest_products(study.folder() / "set");
+  save_text(study.folder() / "set/responses.sqlite", "a session's log stands here");
+  EXPECT_EQ(render(study, "set").pictures_written, 0u);
+  fs::remove(study.folder() / "set/pictures/G0-GS-ind-100-C2-v0.png");
+  EXPECT_EQ(render(study, "set").pictures_written, 1u);
+  const test::TinyStudy other(study.folder(), 99);  // another seed
+  EXPECT_THROW(render(other, "set"), InputError);
+  fs::remove(study.folder() / "set/responses.sqlite");
+  EXPECT_EQ(digest_products(study.folder() / "set"), whole);
+}
+
+TEST(Set, AGlobThatNamesNothingIsAnInputError) {
+  const test::TinyStudy study;
+  EXPECT_THROW(render(study, "set", "G9-*"), InputError);
+}
+
+TEST(Set, AGeometryWhoseFileIsMissingSaysWhichAndHow) {
+  try {
+    make_set(
+        {std::string(EQUILUX_SOURCE_DIR) + "/protocols/validation.json", test::Folder() / "set", "Bunny-*"});
+    FAIL() << "the bunny is not in the repository";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("bunny.ply"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("stimuli/meshes/README.md"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Set, NormalisedPicturesHaveTheMeanLuminanceOfTheUnclampedOnes) {
+  const test::TinyStudy study("normalise");
+  render(study, "set");
+  EXPECT_TRUE(fs::exists(study.folder() / "set/pictures/G0-MS-ind-100-C9n-v0.png"));
+  const auto mean = [&](const std::string& key) {
+    const LdrImage image = load_png(study.folder() / "set/pictures" / (key + ".png"));
+    double sum = 0;
+    for (auto value : image.values) sum += value;
+    return sum / static_cast<double>(image.values.size());
+  };
+  EXPECT_NEAR(mean("G0-MS-ind-100-C9n-v0"), mean("G0-MS-ind-100-C0n-v0"), 4);
+}
+
+}  // namespace
+}  // namespace equilux

@@ -1,0 +1,60 @@
+// A study of the real café that renders in seconds: 24 x 18 pixels, 100 VPLs, one geometry.
+#pragma once
+
+#include "protocols/study.h"
+#include "tests/renderer/test_scene.h"
+
+namespace equilux::test {
+
+class TinyStudy {
+ public:
+  explicit TinyStudy(const std::string& variant = "") : folder_(own_.path()) { write(variant, 1); }
+  /// Another study file in the folder of an existing one.
+  TinyStudy(const std::filesystem::path& folder, std::uint64_t seed) : folder_(folder) { write("", seed); }
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& path() const { return path_; }
+  Study load() const { return load_study(path_); }
+
+ private:
+  void write(const std::string& variant, std::uint64_t seed) {
+    const bool normalise = variant == "normalise";
+    const std::filesystem::path source = EQUILUX_SOURCE_DIR;
+    Json json = parse_json(load_text(source / "protocols/pocket.json"), "pocket");
+    json.set("scene", (source / "stimuli/scenes/cafe.json").string()).set("seed", seed);
+    json.set("image", parse_json(R"({"width":24,"height":18})", "")).set("subpixel_positions", 2);
+    json.set("paths", parse_json(R"({"object_indirect":32,"object_direct":32,"background":32})", ""));
+    json.set("normalise", normalise).set("windows", "windows.json").set("truth", "truth.json");
+    const std::string illuminations = normalise ? R"(["ind"])" : R"(["ind","dir"])";
+    json.set("blocks", parse_json(R"([{"geometries":["G0"],"materials":["MS","GS"],"illuminations":)" +
+                                      illuminations + R"(,"vpl_counts":["100"]}])",
+                                  ""));
+    path_ = folder_ / ("study-" + variant + std::to_string(seed) + ".json");
+    Json windows{Json::Array{}}, truth{Json::Array{}};
+    for (const std::string illumination : {"ind", "dir"}) {
+      if (normalise && illumination == "dir") continue;
+      for (const std::string material : {"MS", "GS"}) {
+        const std::string column = "G0-" + material + "-" + illumination + "-100";
+        windows.push(Json().set("column", column).set("first", "C2").set("origin", "placeholder"));
+        truth.push(
+            Json().set("column", column).set("artifact_free_from", "C4").set("material_same_to", "C6"));
+      }
+    }
+    save_text(path_, format_json(json));
+    save_text(folder_ / "windows.json",
+              format_json(
+                  Json().set("schema", "equilux-windows").set("schema_version", 1).set("windows", windows)));
+    save_text(folder_ / "truth.json", format_json(Json()
+                                                      .set("schema", "equilux-truth")
+                                                      .set("schema_version", 1)
+                                                      .set("lapse_rate", 0.02)
+                                                      .set("side_bias", 0.5)
+                                                      .set("columns", truth)));
+  }
+
+  Folder own_;
+  std::filesystem::path folder_;
+  std::filesystem::path path_;
+};
+
+}  // namespace equilux::test

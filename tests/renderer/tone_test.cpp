@@ -1,0 +1,97 @@
+// Tone curves against closed forms, and what must have a defined answer.
+#include "renderer/tone.h"
+
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace equilux {
+namespace {
+
+HdrImage constant(int width, int height, float value) {
+  HdrImage image(width, height);
+  for (float& v : image.values) v = value;
+  return image;
+}
+
+HdrImage no_coverage(const HdrImage& image) { return HdrImage(image.width, image.height, 1); }
+
+TEST(Tone, AConstantPictureIsShownAtTheKeyByReinhardsFormula) {
+  const HdrImage image = constant(8, 8, 3.0f);
+  const ToneRecord tone = make_tone_curve(image, no_coverage(image), Exposure::kBackground, 0.18);
+  // L = key x Lw / Lavg = .18 (delta is 1e-6 of the mean), white = .18: Ld = L (1 + L / white^2) / (1 + L)
+  // = 1.
+  EXPECT_NEAR(tone.log_average, 3.0, 1e-5);
+  EXPECT_NEAR(tone.white, .18, 1e-6);
+  EXPECT_NEAR(eval_display(tone, image.pixel(0))[1], 255, .01);
+}
+
+TEST(Tone, MiddleGreyFallsWhereTheFormulaSays) {
+  const ToneRecord tone{1.0, 4.0, 0, .18, "background"};
+  const float rgb[3] = {1, 1, 1};
+  const double ld = .18 * (1 + .18 / 16) / 1.18;
+  EXPECT_NEAR(eval_display(tone, rgb)[0], 255 * (1.055 * std::pow(ld, 1 / 2.4) - .055), 1e-6);
+}
+
+TEST(Tone, TheCurveIsTakenOutsideTheObject) {
+  HdrImage image = constant(10, 10, 1.0f);
+  HdrImage coverage = no_coverage(image);
+  for (std::size_t i = 0; i < 50; ++i) {
+    coverage.values[i] = .25f;
+    for (int c = 0; c < 3; ++c) image.pixel(i)[c] = 1000;
+  }
+  const auto background = make_tone_curve(image, coverage, Exposure::kBackground, .18);
+  const auto whole = make_tone_curve(image, coverage, Exposure::kWhole, .18);
+  EXPECT_NEAR(background.log_average, 1, 1e-4);
+  EXPECT_NEAR(whole.log_average, std::sqrt(1000.0), .1);
+}
+
+TEST(Tone, OneHotPixelDoesNotSetTheWhitePoint) {
+  HdrImage image = constant(100, 20, 1.0f);
+  image.pixel(7)[1] = 1e30f;
+  const auto tone = make_tone_curve(image, no_coverage(image), Exposure::kBackground, .18);
+  EXPECT_LT(tone.white, 10);
+  EXPECT_TRUE(std::isfinite(tone.log_average));
+}
+
+TEST(Tone, ABlackPictureStaysBlack) {
+  const HdrImage image = constant(4, 4, 0);
+  const auto tone = make_tone_curve(image, no_coverage(image), Exposure::kBackground, .18);
+  for (auto value : apply_tone_curve(image, tone).values) EXPECT_EQ(value, 0);
+}
+
+TEST(Tone, AnObjectThatCoversEverythingFallsBackToTheWholePicture) {
+  const HdrImage image = constant(4, 4, 2);
+  HdrImage coverage = no_coverage(image);
+  for (float& value : coverage.values) value = 1;
+  EXPECT_NEAR(make_tone_curve(image, coverage, Exposure::kBackground, .18).log_average, 2, 1e-4);
+}
+
+TEST(Tone, NoiseInDisplayStepsIsTheSlopeOfTheCurve) {
+  const HdrImage image = constant(10, 10, 1), error = constant(10, 10, .001f);
+  HdrImage coverage = no_coverage(image);
+  coverage.values[0] = 1;
+  const ToneRecord tone{1.0, 4.0, 0, .18, "background"};
+  const float high[3] = {1.001f, 1.001f, 1.001f}, low[3] = {.999f, .999f, .999f};
+  const double half = (eval_display(tone, high)[0] - eval_display(tone, low)[0]) / 2;
+  const auto noise = measure_display_noise(image, error, coverage, tone);
+  EXPECT_NEAR(noise.object_mean, half, 1e-9);
+  EXPECT_NEAR(noise.object_p99, half, 1e-9);
+  EXPECT_NEAR(noise.outside_mean, half, 1e-9);
+}
+
+TEST(Tone, NormalisedLayersHaveTheMeanLuminanceOfTheUnclampedOne) {
+  HdrImage clamped = constant(6, 6, .5f), unclamped = constant(6, 6, 0);
+  unclamped.pixel(3)[1] = 100;
+  const HdrImage scaled = normalise_luminance(clamped, unclamped);
+  double sum = 0;
+  for (std::size_t i = 0; i < 36; ++i) {
+    const float* p = scaled.pixel(i);
+    sum += .2126 * p[0] + .7152 * p[1] + .0722 * p[2];
+  }
+  EXPECT_NEAR(sum, 71.52, 1e-3);
+  EXPECT_EQ(normalise_luminance(constant(6, 6, 0), unclamped).values, constant(6, 6, 0).values);
+}
+
+}  // namespace
+}  // namespace equilux
