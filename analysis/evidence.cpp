@@ -36,15 +36,15 @@ ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, Subj
   ExperimentEvidence evidence;
   for (const SessionRow& session : sessions) {
     if (session.kind != kind || session.experiment != experiment) continue;
+    if (!session.complete) {
+      ++evidence.unfinished;
+      continue;
+    }
     if (session.digests.study != study.digest) {
       throw InputError(source, fmt::format("session {}", session.id),
                        fmt::format("the study {}", study.digest), session.digests.study);
     }
-    if (session.complete) {
-      evidence.finished.push_back(session);
-    } else {
-      ++evidence.unfinished;
-    }
+    evidence.finished.push_back(session);
   }
   std::sort(evidence.finished.begin(), evidence.finished.end(),
             [](const auto& a, const auto& b) { return a.subject_index < b.subject_index; });

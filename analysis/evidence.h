@@ -33,8 +33,8 @@ struct Evidence {
 SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
                         const std::string& source);
 
-/// The sessions of a kind and experiment, without their answers. errors: InputError for a session that was
-/// made from another study.
+/// The sessions of a kind and experiment, without their answers. errors: InputError for a finished session
+/// that was made from another study.
 ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,
                                    Experiment experiment, const Study& study, const std::string& source);
 

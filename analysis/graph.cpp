@@ -127,11 +127,11 @@ std::string draw_axis(const ColumnCounts& counts) {
   return text;
 }
 
-std::string open_svg(int width, int height, const std::string& label) {
+std::string open_svg(int width, int height, double scale, const std::string& label) {
   return fmt::format(
-      R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" role="img" aria-label="{2}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif">)"
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="{2}" height="{3}" viewBox="0 0 {0} {1}" role="img" aria-label="{4}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif">)"
       "\n",
-      width, height, escape_xml(label));
+      width, height, width * scale, height * scale, escape_xml(label));
 }
 
 bool has_reversed_flags(const RuleFinding& finding) {
@@ -140,13 +140,14 @@ bool has_reversed_flags(const RuleFinding& finding) {
 
 }  // namespace
 
-std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule) {
+std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
+                       double scale) {
   EQ_CHECK(!columns.empty(), format_key(object));
   const std::string prefix = format_key(object);
   const ColumnCounts& first = columns.front()->artifact;
   const int plot_height = kCellHeight * static_cast<int>(first.size());
   const int width = kLeft + kCellWidth * static_cast<int>(columns.size()) + kRight;
-  std::string svg = open_svg(width, kTop + plot_height + kBottom,
+  std::string svg = open_svg(width, kTop + plot_height + kBottom, scale,
                              fmt::format("Regions of {} under the rule {}", prefix, format_rule(rule)));
   svg += draw_hatches(prefix) + draw_text(kLeft, 14, "start", 11, prefix, R"( font-weight="bold")");
   svg += draw_axis(first);
@@ -179,8 +180,8 @@ std::string draw_legend() {
                            {Region::kChanged, "material looked different (from above)"},
                            {Region::kBoth, "both"},
                            {Region::kEquivalent, "visually equivalent"},
-                           {Region::kUntested, "not tested, and nothing follows"}};
-  std::string svg = open_svg(720, 70, "Key to the graphs") + draw_hatches("legend");
+                           {Region::kUntested, "not tested enough to say"}};
+  std::string svg = open_svg(720, 70, 1, "Key to the graphs") + draw_hatches("legend");
   double x = 2;
   double y = 4;
   for (const Entry& entry : entries) {
@@ -194,7 +195,8 @@ std::string draw_legend() {
   svg += draw_dot(8, 58, {9, 12}) + draw_dot(18, 58, {0, 12}) +
          draw_text(28, 61.5, "start", 10,
                    "tested: artifact experiment at the left, material at the right of a cell; filled where "
-                   "3/4 or more were correct");
+                   "3/4 or more "
+                   "were correct. Underlined: supported at 95 %");
   return svg + "</svg>\n";
 }
 

@@ -42,9 +42,11 @@ std::string format_object_squares(const Report& report, const Object& object) {
   return squares;
 }
 
+// Few materials leave room for larger graphs; five of three VPL counts fill the page at scale 1.
 std::string format_object_graph(const Report& report, const Object& object) {
   const auto columns = findings_of(report.findings, object);
-  return columns.empty() ? "" : draw_graph(object, columns, report.rule);
+  const double scale = enumerate_materials(report.study).size() > 3 ? 1 : 1.5;
+  return columns.empty() ? "" : draw_graph(object, columns, report.rule, scale);
 }
 
 // A row for each geometry, a column for each material, as in the paper's Figure 4.
@@ -204,7 +206,7 @@ std::string format_monotone(const Report& report) {
                 format_html_table(reversed, 99);
   if (!uneven.rows.empty()) {
     text += fmt::format(
-        "<details><summary>{} more in which only the proportions are not monotone; both rules give the same "
+        "<details><summary>{} in which only the proportions go back and forth; both rules give the same "
         "cut</summary>\n{}</details>\n",
         uneven.rows.size(), format_html_table(uneven, 99));
   }

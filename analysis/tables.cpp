@@ -66,20 +66,34 @@ std::string format_marks(const std::vector<const ColumnFinding*>& columns,
   return marks;
 }
 
+std::size_t longest(const std::vector<std::string>& words, std::size_t least) {
+  for (const std::string& word : words) least = std::max(least, word.size());
+  return least;
+}
+
+std::string join_line(const std::vector<std::string>& fields, std::size_t first_width, std::size_t width) {
+  std::string line = fmt::format("  {:<{}}", fields.front(), first_width);
+  for (std::size_t i = 1; i < fields.size(); ++i) line += fmt::format("  {:<{}}", fields[i], width);
+  return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+}
+
 std::string format_ee_grid(const Study& study, const std::vector<ColumnFinding>& findings,
                            Illumination illumination, Rule rule) {
   const auto vpl_counts = enumerate_vpl_counts(study, illumination);
-  const std::size_t width = std::max<std::size_t>(vpl_counts.size(), 2);
-  std::string text = fmt::format("  {:<8}", "");
-  for (const auto& material : enumerate_materials(study)) text += fmt::format("  {:<{}}", material, width);
-  for (const auto& geometry : enumerate_geometries(study)) {
-    text += fmt::format("\n  {:<8}", geometry);
-    for (const auto& material : enumerate_materials(study)) {
-      const auto columns = findings_of(findings, {geometry, material, illumination});
-      text += fmt::format("  {:<{}}", format_marks(columns, vpl_counts, rule), width);
+  const auto materials = enumerate_materials(study);
+  const auto geometries = enumerate_geometries(study);
+  const std::size_t first_width = longest(geometries, 0);
+  const std::size_t width = longest(materials, vpl_counts.size());
+  std::string text = join_line(join({""}, materials), first_width, width);
+  for (const auto& geometry : geometries) {
+    std::vector<std::string> fields{geometry};
+    for (const auto& material : materials) {
+      fields.push_back(
+          format_marks(findings_of(findings, {geometry, material, illumination}), vpl_counts, rule));
     }
+    text += join_line(fields, first_width, width);
   }
-  return text + "\n";
+  return text;
 }
 
 }  // namespace

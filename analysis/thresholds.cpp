@@ -60,16 +60,14 @@ Threshold cut_artifacts(const ColumnCounts& counts) {
   if (tested.empty()) return threshold;
   const auto last_flagged = std::find_if(tested.rbegin(), tested.rend(),
                                          [&](std::size_t i) { return is_flagged(counts[i].count); });
-  const bool all =
-      std::all_of(tested.begin(), tested.end(), [&](std::size_t i) { return is_flagged(counts[i].count); });
   const std::size_t first_free = last_flagged == tested.rend() ? tested.front() : *last_flagged + 1;
   fill_states(threshold, 0, first_free, LevelState::kDifferent);
   fill_states(threshold, first_free, counts.size(), LevelState::kSame);
   if (first_free < counts.size()) threshold.cut = counts[first_free].level;
-  threshold.status = first_free == counts.size()     ? CutStatus::kNone
-                     : last_flagged == tested.rend() ? CutStatus::kCensoredLow
-                     : all                           ? CutStatus::kCensoredHigh
-                                                     : CutStatus::kCut;
+  threshold.status = first_free == counts.size()    ? CutStatus::kNone
+                     : first_free == tested.front() ? CutStatus::kCensoredLow
+                     : first_free > tested.back()   ? CutStatus::kCensoredHigh
+                                                    : CutStatus::kCut;
   return threshold;
 }
 

@@ -21,7 +21,7 @@ inline constexpr Rule kRules[] = {Rule::kPaper, Rule::kIsotonic};
 enum class CutStatus {
   kCut,           ///< found between two tested levels
   kCensoredLow,   ///< no tested level has artifacts: the threshold is at the first of them or less clamped
-  kCensoredHigh,  ///< artifacts at all tested levels, or a change at none: it lies beyond the last of them
+  kCensoredHigh,  ///< artifacts still at the most clamped tested level, or no change: it lies beyond
   kNone,          ///< no level is artifact-free, or none unchanged
   kUntested       ///< no answers
 };

@@ -49,6 +49,12 @@ TEST(ArtifactCut, with_all_flagged_is_the_next_more_clamped_level_and_censored_h
   EXPECT_EQ(threshold.status, CutStatus::kCensoredHigh);
 }
 
+TEST(ArtifactCut, is_censored_high_too_where_only_the_windows_last_level_is_flagged) {
+  const auto threshold = artifact(make_window(4, {6, 12, 6, 9}));
+  EXPECT_EQ(threshold.cut, 8);
+  EXPECT_EQ(threshold.status, CutStatus::kCensoredHigh) << "no tested level is free beyond the cut";
+}
+
 TEST(ArtifactCut, is_none_once_c10_is_flagged) {
   for (const auto& correct : {std::vector<std::int64_t>{12, 12, 12, 12}, {6, 6, 6, 9}}) {
     const auto threshold = artifact(make_window(7, correct));
