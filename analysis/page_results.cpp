@@ -42,10 +42,11 @@ std::string format_object_squares(const Report& report, const Object& object) {
   return squares;
 }
 
-// Few materials leave room for larger graphs; five of three VPL counts fill the page at scale 1.
+// Five materials of three VPL counts fill the page at scale 1; fewer leave room, more need it.
 std::string format_object_graph(const Report& report, const Object& object) {
   const auto columns = findings_of(report.findings, object);
-  const double scale = enumerate_materials(report.study).size() > 3 ? 1 : 1.5;
+  const std::size_t materials = enumerate_materials(report.study).size();
+  const double scale = materials > 5 ? 0.8 : materials > 3 ? 1 : 1.5;
   return columns.empty() ? "" : draw_graph(object, columns, report.rule, scale);
 }
 
