@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "experiment/session.h"
 #include "experiment/trial_log.h"
@@ -27,13 +28,32 @@ struct OpenSession {
   bool resumed = false;
 };
 
+/// What all sessions of an experiment and kind in a folder are made from, loaded and checked once.
+struct SessionInputs {
+  StudyFolder folder;
+  Experiment experiment = Experiment::kArtifact;
+  SubjectKind kind = SubjectKind::kPerson;
+  Study study;
+  std::vector<Cell> cells;
+  SessionDigests digests;
+};
+
+/// Of the request only experiment, kind and truth count. A selection must be of the artifact answers in the
+/// log, unless a session has used it: then it is frozen, and stays in force. errors: InputError
+SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog& log,
+                                  const SessionRequest& request);
+
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
-/// picture is missing, if the participant has finished this experiment, or if an unfinished session was made
-/// from other digests; StoreError from the log.
+/// picture is missing, if the participant has finished this experiment, or if an earlier session of this
+/// experiment and kind was made from other digests; StoreError from the log.
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request);
+OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request);
 
 /// Writes what a Record* effect says to the log; a ShowTrial is the caller's. errors: StoreError
 void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& effect);
+
+/// Seed for a new session of a person, from the system's entropy; below 2^63, as the log keeps it.
+std::uint64_t draw_seed();
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "experiment/trial_log.h"
@@ -21,5 +22,9 @@ std::vector<TrialRow> make_schedule(const Study& study, Experiment experiment, c
 
 /// Every picture that the trials show, each once, sorted.
 std::vector<std::string> enumerate_shown(const std::vector<TrialRow>& trials);
+
+/// Every picture that these cells may show to any subject, each once, sorted: what a session depends on.
+std::vector<std::string> enumerate_showable(const Study& study, Experiment experiment,
+                                            const std::vector<Cell>& cells);
 
 }  // namespace equilux

@@ -13,12 +13,14 @@
 
 namespace equilux {
 
+inline constexpr int kLogSchemaVersion = 1;  ///< PRAGMA user_version of the file
+
 enum class Side { kLeft, kRight };
 
 /// What a session was made from: resuming or repeating it with others is an error.
 struct SessionDigests {
   std::string study;
-  std::string manifest;   ///< digest_pictures of the pictures it may show
+  std::string manifest;   ///< digest_pictures of the pictures that its experiment may show
   std::string windows;    ///< empty in material sessions
   std::string selection;  ///< empty in artifact sessions
   std::string truth;      ///< empty unless planted
@@ -70,7 +72,7 @@ struct Answer {
   std::int64_t response_time_ns = 0;
 };
 
-/// Answers of finished sessions, added up: one row for each session kind, experiment and cell.
+/// One answer of a finished session.
 struct AnswerRow {
   std::int64_t session = 0;
   std::int64_t subject_index = 0;
@@ -112,6 +114,9 @@ class TrialLog {
 
   /// Answers of the complete sessions of a kind and experiment, in order of session and trial.
   std::vector<AnswerRow> load_answers(SubjectKind kind, Experiment experiment) const;
+
+  /// A PRAGMA as this connection has it, by its name: journal_mode, synchronous, foreign_keys.
+  std::string load_setting(const std::string& name) const;
 
  private:
   struct Impl;

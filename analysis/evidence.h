@@ -1,0 +1,47 @@
+// What a report or a pruning rests on: the finished sessions of one kind, and how many were left out.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/trial_log.h"
+#include "stimuli/study_folder.h"
+
+namespace equilux {
+
+/// One experiment, one kind of subjects.
+struct ExperimentEvidence {
+  std::vector<SessionRow> finished;  ///< in order of subject index
+  std::vector<AnswerRow> answers;    ///< of the finished sessions
+  std::int64_t unfinished = 0;       ///< sessions left out
+  std::string digest;                ///< digest_answers
+};
+
+struct Evidence {
+  SubjectKind kind = SubjectKind::kPerson;
+  ExperimentEvidence artifact;
+  ExperimentEvidence material;
+
+  const ExperimentEvidence& of(Experiment experiment) const {
+    return experiment == Experiment::kArtifact ? artifact : material;
+  }
+};
+
+/// `wanted`, or else the only kind with finished artifact sessions. errors: InputError naming `source` where
+/// there is none, or where there are several to choose from.
+SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
+                        const std::string& source);
+
+/// The sessions of a kind and experiment, without their answers. errors: InputError for a finished session
+/// that was made from another study.
+ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,
+                                   Experiment experiment, const Study& study, const std::string& source);
+
+/// Reads the log of a study folder. errors: InputError without a log or without finished artifact sessions.
+Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted);
+
+/// Digests of the selections that the material sessions were made from, finished or not, each once.
+std::vector<std::string> find_used_selections(const TrialLog& log, SubjectKind kind);
+
+}  // namespace equilux

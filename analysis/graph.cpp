@@ -1,0 +1,203 @@
+// Findings to SVG. The numbers in this file are pixels of the picture and nothing else.
+#include "analysis/graph.h"
+
+#include <algorithm>
+
+#include "analysis/markup.h"
+#include "analysis/tally.h"
+#include "base/error.h"
+
+namespace equilux {
+namespace {
+
+constexpr int kLeft = 30;
+constexpr int kTop = 22;
+constexpr int kBottom = 30;
+constexpr int kRight = 4;
+constexpr int kCellWidth = 46;
+constexpr int kCellHeight = 15;
+constexpr const char* kInk = "#1c1c1c";
+
+struct Look {
+  const char* name;   // of the hatch
+  const char* fill;   // background
+  const char* hatch;  // path data in a tile of 6 x 6; empty for none
+  const char* ink;    // of the hatch
+  const char* letter;
+};
+
+Look look_of(Region region) {
+  switch (region) {
+    case Region::kArtifact:
+      return {"artifact", "#f7bcc9", "M-1,1 l2,-2 M0,6 l6,-6 M5,7 l2,-2", "#d97f97", "A"};
+    case Region::kChanged:
+      return {"changed", "#e0604f", "M-1,5 l2,2 M0,0 l6,6 M5,-1 l2,2", "#b53b2c", "M"};
+    case Region::kBoth:
+      return {"both", "#ec8f93", "M0,6 l6,-6 M0,0 l6,6", "#c25560", "AM"};
+    case Region::kEquivalent:
+      return {"equivalent", "#93cf98", "", "", "E"};
+    case Region::kUntested:
+      break;
+  }
+  return {"untested", "#f1f1ef", "M3,2.5 v1", "#8d8d88", "?"};
+}
+
+std::string draw_hatch(const std::string& prefix, Region region) {
+  const Look look = look_of(region);
+  std::string text = fmt::format(
+      R"(<pattern id="{}-{}" width="6" height="6" patternUnits="userSpaceOnUse"><rect width="6" height="6" fill="{}"/>)",
+      prefix, look.name, look.fill);
+  if (*look.hatch) {
+    text += fmt::format(R"(<path d="{}" stroke="{}" stroke-width="0.9" fill="none"/>)", look.hatch, look.ink);
+  }
+  return text + "</pattern>\n";
+}
+
+std::string draw_hatches(const std::string& prefix) {
+  std::string text = "<defs>\n";
+  for (const auto region :
+       {Region::kArtifact, Region::kChanged, Region::kBoth, Region::kEquivalent, Region::kUntested}) {
+    text += draw_hatch(prefix, region);
+  }
+  return text + "</defs>\n";
+}
+
+std::string draw_text(double x, double y, const char* anchor, int size, const std::string& text,
+                      const char* more = "") {
+  return fmt::format(R"(<text x="{}" y="{}" text-anchor="{}" font-size="{}" fill="{}"{}>{}</text>)"
+                     "\n",
+                     x, y, anchor, size, kInk, more, escape_xml(text));
+}
+
+// Filled where flagged, open where not; nothing where untested.
+std::string draw_dot(double x, double y, const Count& count) {
+  if (count.n == 0) return "";
+  return fmt::format(R"(<circle cx="{}" cy="{}" r="2.7" fill="{}" stroke="{}" stroke-width="1"/>)"
+                     "\n",
+                     x, y, is_flagged(count) ? kInk : "#ffffff", kInk);
+}
+
+std::string describe_count(const char* name, const Count& count) {
+  return count.n > 0 ? fmt::format("{} {} of {}", name, count.k, count.n)
+                     : fmt::format("{} not tested", name);
+}
+
+// Whether the level's own answers are behind its colour; a paler cell is inferred from its neighbours.
+bool is_observed(Region region, const Count& artifact, const Count& material) {
+  return region == Region::kUntested || (region == Region::kArtifact ? artifact.n > 0 : material.n > 0);
+}
+
+std::string draw_region(const std::string& prefix, Region region, double x, double y, bool observed) {
+  return fmt::format(
+      R"~(<rect class="cell" x="{}" y="{}" width="{}" height="{}" fill="url(#{}-{})" fill-opacity="{}" stroke="#ffffff" stroke-width="0.75"/>)~"
+      "\n",
+      x, y, kCellWidth, kCellHeight, prefix, look_of(region).name, observed ? "1" : "0.55");
+}
+
+std::string draw_letter(Region region, double x, double y, bool supported) {
+  return draw_text(x + kCellWidth / 2.0, y + 11, "middle", 9, look_of(region).letter,
+                   supported
+                       ? R"( font-weight="bold" text-decoration="underline")"
+                       : R"( paint-order="stroke" stroke="#ffffff" stroke-width="2" stroke-opacity="0.55")");
+}
+
+std::string draw_cell(const std::string& prefix, const ColumnFinding& column, const RuleFinding& finding,
+                      std::size_t i, double x, double y) {
+  const Count& artifact = column.artifact[i].count;
+  const Count& material = column.material[i].count;
+  const Region region = finding.regions[i];
+  const int level = column.artifact[i].level;
+  const bool supported =
+      std::find(finding.supported.begin(), finding.supported.end(), level) != finding.supported.end();
+  const std::string title = fmt::format("{}-{}: {}; {}; {}{}", format_key(column.column), format_clamp(level),
+                                        format_region(region), describe_count("artifact", artifact),
+                                        describe_count("material", material), supported ? "; supported" : "");
+  return fmt::format("<g><title>{}</title>\n", escape_xml(title)) +
+         draw_region(prefix, region, x, y, is_observed(region, artifact, material)) +
+         draw_letter(region, x, y, supported) + draw_dot(x + 7, y + kCellHeight / 2.0, artifact) +
+         draw_dot(x + kCellWidth - 7, y + kCellHeight / 2.0, material) + "</g>\n";
+}
+
+std::string draw_axis(const ColumnCounts& counts) {
+  std::string text;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const double y = kTop + kCellHeight * static_cast<double>(counts.size() - 1 - i);
+    text += draw_text(kLeft - 4, y + 11, "end", 9, format_clamp(counts[i].level));
+  }
+  return text;
+}
+
+std::string open_svg(int width, int height, double scale, const std::string& label) {
+  return fmt::format(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" width="{2}" height="{3}" viewBox="0 0 {0} {1}" role="img" aria-label="{4}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif">)"
+      "\n",
+      width, height, width * scale, height * scale, escape_xml(label));
+}
+
+bool has_reversed_flags(const RuleFinding& finding) {
+  return !finding.artifact.flags_monotone || !finding.material.flags_monotone;
+}
+
+}  // namespace
+
+std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
+                       double scale) {
+  EQ_CHECK(!columns.empty(), format_key(object));
+  const std::string prefix = format_key(object);
+  const ColumnCounts& first = columns.front()->artifact;
+  const int plot_height = kCellHeight * static_cast<int>(first.size());
+  const int width = kLeft + kCellWidth * static_cast<int>(columns.size()) + kRight;
+  std::string svg = open_svg(width, kTop + plot_height + kBottom, scale,
+                             fmt::format("Regions of {} under the rule {}", prefix, format_rule(rule)));
+  svg += draw_hatches(prefix) + draw_text(kLeft, 14, "start", 11, prefix, R"( font-weight="bold")");
+  svg += draw_axis(first);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const RuleFinding& finding = columns[c]->under(rule);
+    const double x = kLeft + kCellWidth * static_cast<double>(c);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const double y = kTop + kCellHeight * static_cast<double>(first.size() - 1 - i);
+      svg += draw_cell(prefix, *columns[c], finding, i, x, y);
+    }
+    svg +=
+        draw_text(x + kCellWidth / 2.0, kTop + plot_height + 12, "middle", 9,
+                  format_vpl_count(columns[c]->column.vpl_count) + (has_reversed_flags(finding) ? "*" : ""));
+  }
+  svg += fmt::format(
+      R"(<rect x="{}" y="{}" width="{}" height="{}" fill="none" stroke="#6b6b6b" stroke-width="0.8"/>)"
+      "\n",
+      kLeft, kTop, kCellWidth * columns.size(), plot_height);
+  svg += draw_text(kLeft + kCellWidth * static_cast<double>(columns.size()) / 2, kTop + plot_height + 25,
+                   "middle", 9, "VPLs");
+  return svg + "</svg>\n";
+}
+
+std::string draw_legend() {
+  struct Entry {
+    Region region;
+    const char* words;
+  };
+  const Entry entries[] = {{Region::kArtifact, "artifacts seen (from below)"},
+                           {Region::kChanged, "material looked different (from above)"},
+                           {Region::kBoth, "both"},
+                           {Region::kEquivalent, "visually equivalent"},
+                           {Region::kUntested, "not tested enough to say"}};
+  std::string svg = open_svg(720, 70, 1, "Key to the graphs") + draw_hatches("legend");
+  double x = 2;
+  double y = 4;
+  for (const Entry& entry : entries) {
+    if (entry.region == Region::kEquivalent) x = 2, y = 27;
+    svg += draw_region("legend", entry.region, x, y, true) + draw_letter(entry.region, x, y, false);
+    svg += draw_text(x + kCellWidth + 6, y + 11, "start", 10, entry.words);
+    x += entry.region == Region::kArtifact ? 225 : entry.region == Region::kChanged ? 275 : 195;
+  }
+  svg += draw_region("legend", Region::kEquivalent, x + 55, y, false) +
+         draw_text(x + 55 + kCellWidth + 6, y + 11, "start", 10, "paler: inferred from tested neighbours");
+  svg += draw_dot(8, 58, {9, 12}) + draw_dot(18, 58, {0, 12}) +
+         draw_text(28, 61.5, "start", 10,
+                   "tested: artifact experiment at the left, material at the right of a cell; filled where "
+                   "3/4 or more "
+                   "were correct. Underlined: supported at 95 %");
+  return svg + "</svg>\n";
+}
+
+}  // namespace equilux

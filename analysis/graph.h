@@ -1,0 +1,21 @@
+// The graph of an object as in the paper's Figure 4, drawn from findings that are already made.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/equivalence.h"
+
+namespace equilux {
+
+/// An SVG element that stands alone in a file or inline in a page: x VPL count, y clamp level with no clamp
+/// at the bottom; a column a count, a cell a level, coloured, hatched and lettered by its region; a dot at
+/// the left for the artifact experiment and at the right for the material experiment, filled where flagged.
+/// `columns` are those of the object, from few to many VPLs; `scale` enlarges the whole.
+std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
+                       double scale = 1);
+
+/// The key to the graphs, drawn with the same hand.
+std::string draw_legend();
+
+}  // namespace equilux

@@ -1,0 +1,56 @@
+// equilux-analyze: parse, call, report, exit code.
+#include <CLI/CLI.hpp>
+
+#include "analysis/program.h"
+#include "base/program.h"
+#include "base/version.h"
+
+namespace {
+
+struct Options {
+  std::string folder;
+  std::string kind;
+  std::string rule = "paper";
+};
+
+void add_options(CLI::App* command, Options& options) {
+  command->add_option("DIR", options.folder, "Study folder made by equilux-render")->required();
+  command->add_option("--rule", options.rule, "What decides where a column is not monotone")
+      ->check(CLI::IsMember({"paper", "isotonic"}))
+      ->capture_default_str();
+  command->add_option("--kind", options.kind, "Whose answers (default: the only kind with finished sessions)")
+      ->check(CLI::IsMember({"person", "planted", "looking"}));
+}
+
+equilux::AnalyzeParams make_params(const Options& options) {
+  equilux::AnalyzeParams params;
+  params.study_folder = options.folder;
+  params.rule = equilux::parse_rule(options.rule, "--rule");
+  if (!options.kind.empty()) params.kind = equilux::parse_kind(options.kind, "--kind");
+  return params;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Equilux: from answers to tables, graphs and a report", "equilux-analyze");
+  app.set_version_flag("--version", std::string("equilux-analyze ") + equilux::kVersion);
+  app.require_subcommand(1);
+  app.footer("Example:\n  equilux-analyze report studies/pocket");
+  Options options;
+  CLI::App* prune = app.add_subcommand("prune", "Choose the clamp levels of the material experiment");
+  add_options(prune, options);
+  prune->footer("Example:\n  equilux-analyze prune studies/pocket --rule paper --kind planted");
+  CLI::App* report = app.add_subcommand("report", "Write report/ and print whether equivalence exists");
+  add_options(report, options);
+  report->footer("Example:\n  equilux-analyze report studies/pocket --kind planted");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? equilux::kExitOk : equilux::kExitUsage;
+  }
+  return equilux::run_program("equilux-analyze", [&] {
+    const auto params = make_params(options);
+    return prune->parsed() ? equilux::run_prune(params) : equilux::run_report(params);
+  });
+}

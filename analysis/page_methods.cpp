@@ -1,0 +1,293 @@
+// The page's methods: what was asked, who answered, how it was counted, and where everything came from.
+#include <algorithm>
+#include <fmt/format.h>
+#include <set>
+
+#include "analysis/markup.h"
+#include "analysis/page_sections.h"
+#include "analysis/probability.h"
+#include "analysis/tables.h"
+#include "base/version.h"
+
+namespace equilux {
+namespace {
+
+std::string list_words(const std::vector<std::string>& words) {
+  return escape_xml(fmt::format("{}", fmt::join(words, ", ")));
+}
+
+const Tally& tally_of(const Report& report, Experiment experiment) {
+  return experiment == Experiment::kArtifact ? report.artifact : report.material;
+}
+
+std::set<std::int64_t> find_cell_sizes(const Tally& tally) {
+  std::set<std::int64_t> sizes;
+  for (const auto& [cell, count] : tally) {
+    if (count.n > 0) sizes.insert(count.n);
+  }
+  return sizes;
+}
+
+std::string format_sizes(const std::set<std::int64_t>& sizes) {
+  if (sizes.empty()) return "&ndash;";
+  if (sizes.size() == 1) return fmt::format("{}", *sizes.begin());
+  return fmt::format("{} to {}", *sizes.begin(), *sizes.rbegin());
+}
+
+std::size_t count_tested(const Tally& tally) {
+  return static_cast<std::size_t>(
+      std::count_if(tally.begin(), tally.end(), [](const auto& cell) { return cell.second.n > 0; }));
+}
+
+std::vector<std::string> answered_row(const Report& report, Experiment experiment) {
+  const Tally& tally = tally_of(report, experiment);
+  const ExperimentEvidence& evidence = report.evidence.of(experiment);
+  return {format_experiment(experiment),
+          fmt::format("{}", evidence.finished.size()),
+          fmt::format("{}", evidence.unfinished),
+          fmt::format("{}", count_answers(tally)),
+          fmt::format("{} of {}", count_tested(tally), tally.size()),
+          format_sizes(find_cell_sizes(tally))};
+}
+
+// "12 answers: 9 or more correct, which guessing reaches with probability 0.0730"
+std::string format_integer_cut(std::int64_t n) {
+  const std::int64_t k = (3 * n + 3) / 4;
+  return fmt::format("with n = {} that is {} or more, which pure guessing reaches with probability {:.4f}", n,
+                     k, *eval_p_guess({k, n}));
+}
+
+std::string format_integer_cuts(const Report& report) {
+  std::set<std::int64_t> sizes = find_cell_sizes(report.artifact);
+  sizes.merge(find_cell_sizes(report.material));
+  std::vector<std::string> cuts;
+  for (const std::int64_t n : sizes) {
+    if (cuts.size() < 4) cuts.push_back(format_integer_cut(n));
+  }
+  return fmt::format("{}", fmt::join(cuts, "; "));
+}
+
+std::string format_rule_text(Rule rule) {
+  if (rule == Rule::kPaper) {
+    return "<b>paper</b>: the artifact cut lies just after the most clamped flagged level; untested levels "
+           "less "
+           "clamped than it count as artifacts, more clamped ones as free. The material region opens at the "
+           "first "
+           "changed level; an untested level counts as unchanged only between two unchanged tested ones.";
+  }
+  return "<b>isotonic</b>: proportions are first made monotone by pooling adjacent violators, weighted by n "
+         "(falling with clamp for artifacts, rising for material); a block is flagged iff 4&Sigma;k &ge; "
+         "3&Sigma;n; the rest as under <i>paper</i>.";
+}
+
+struct NoiseMeasure {
+  const char* member;
+  const char* name;
+  double target;
+};
+
+std::vector<std::string> noise_row(const Report& report, const NoiseMeasure& measure) {
+  double worst = 0;
+  std::string worst_key = "&ndash;";
+  for (const auto& [key, picture] : report.manifest->pictures) {
+    if (picture.standard_error.is_null()) continue;
+    const double error = picture.standard_error.at(measure.member).as_double();
+    if (worst_key != "&ndash;" && error <= worst) continue;
+    worst = error;
+    worst_key = escape_xml(key);
+  }
+  const bool met = worst <= measure.target;
+  return {measure.name, worst_key,
+          fmt::format(R"(<span class="{}">{}</span>)", met ? "met" : "missed", met ? "MET" : "MISSED"),
+          fmt::format("{:.2f}", worst), fmt::format("{}", measure.target)};
+}
+
+std::size_t count_measured_references(const Report& report) {
+  if (!report.manifest) return 0;
+  const auto& pictures = report.manifest->pictures;
+  return static_cast<std::size_t>(std::count_if(pictures.begin(), pictures.end(), [](const auto& entry) {
+    return !entry.second.standard_error.is_null();
+  }));
+}
+
+std::vector<std::string> cell_fields(Experiment experiment, const Cell& cell, const Count& count) {
+  const double proportion = static_cast<double>(count.k) / static_cast<double>(count.n);
+  return {format_experiment(experiment),
+          escape_xml(format_key(cell)),
+          is_flagged(count) ? "&#9679;" : "",
+          fmt::format("{}", count.k),
+          fmt::format("{}", count.n),
+          fmt::format("{:.3f}", proportion),
+          fmt::format("{:.4f}", *eval_p_guess(count))};
+}
+
+class DefinitionList {
+ public:
+  void add(const std::string& term, const std::string& text) {
+    text_ += fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, text);
+  }
+  void add_digests(const std::string& term, const std::set<std::string>& digests) {
+    std::string text;
+    for (const std::string& digest : digests) {
+      if (!digest.empty()) text += fmt::format(R"(<span class="digest">{}</span> )", escape_xml(digest));
+    }
+    if (!text.empty()) add(term, text);
+  }
+  std::string finish() const { return "<dl class=\"provenance\">\n" + text_ + "</dl>\n"; }
+
+ private:
+  std::string text_;
+};
+
+template <typename Get>
+auto collect(const ExperimentEvidence& evidence, const Get& get) {
+  std::set<std::decay_t<decltype(get(evidence.finished.front()))>> values;
+  for (const SessionRow& session : evidence.finished) values.insert(get(session));
+  return values;
+}
+
+void add_sessions(DefinitionList& list, const ExperimentEvidence& evidence, Experiment experiment) {
+  if (evidence.finished.empty()) return;
+  const std::string name = format_experiment(experiment) + " sessions";
+  list.add(name + ": program",
+           fmt::format("{}", fmt::join(collect(evidence, [](const auto& row) { return row.program_version; }),
+                                       ", ")));
+  list.add(name + ": seeds",
+           fmt::format("{}", fmt::join(collect(evidence, [](const auto& row) { return row.seed; }), ", ")));
+  list.add_digests(name + ": answers", {evidence.digest});
+  list.add_digests(name + ": pictures",
+                   collect(evidence, [](const auto& row) { return row.digests.manifest; }));
+  list.add_digests(name + ": windows",
+                   collect(evidence, [](const auto& row) { return row.digests.windows; }));
+  list.add_digests(name + ": selection",
+                   collect(evidence, [](const auto& row) { return row.digests.selection; }));
+  list.add_digests(name + ": planted truth",
+                   collect(evidence, [](const auto& row) { return row.digests.truth; }));
+}
+
+}  // namespace
+
+std::string format_html_table(const Table& table, std::size_t first_number) {
+  std::string text = "<div class=\"grid\"><table><thead><tr>";
+  const auto style = [&](std::size_t i) { return i >= first_number ? " class=\"number\"" : ""; };
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    text += fmt::format("<th{}>{}</th>", style(i), table.columns[i]);
+  }
+  text += "</tr></thead><tbody>\n";
+  for (const auto& row : table.rows) {
+    text += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) text += fmt::format("<td{}>{}</td>", style(i), row[i]);
+    text += "</tr>\n";
+  }
+  return text + "</tbody></table></div>\n";
+}
+
+std::string format_asked(const Report& report) {
+  const Study& study = report.study;
+  std::set<std::int64_t> counts;
+  for (const Column& column : enumerate_columns(study)) counts.insert(column.vpl_count);
+  std::vector<std::string> vpls;
+  for (const auto count : counts) vpls.push_back(format_vpl_count(count));
+  std::vector<std::string> illuminations;
+  for (const auto illumination : enumerate_illuminations(study)) {
+    illuminations.push_back(describe_illumination(illumination));
+  }
+  std::string text =
+      study.description.empty() ? "" : fmt::format("<p>{}</p>\n", escape_xml(study.description));
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    text += fmt::format("<p><b>{} experiment.</b> &ldquo;{}&rdquo;</p>\n",
+                        experiment == Experiment::kArtifact ? "Artifact" : "Material",
+                        escape_xml(prompt_of(experiment)));
+  }
+  return text + fmt::format(
+                    "<p>Geometries {}; materials {}; illumination {}; {} VPLs; clamp levels {} to {}: {} "
+                    "columns of {} levels, {} cells.{}</p>\n",
+                    list_words(enumerate_geometries(study)), list_words(enumerate_materials(study)),
+                    list_words(illuminations), list_words(vpls), format_clamp(study.clamp_levels.front()),
+                    format_clamp(study.clamp_levels.back()), report.findings.size(),
+                    study.clamp_levels.size(), enumerate_cells(study).size(),
+                    study.normalise ? " All pictures were luminance-normalised." : "");
+}
+
+std::string format_answered(const Report& report) {
+  Table table{{"experiment", "finished sessions", "unfinished, left out", "answers", "cells tested",
+               "answers per cell"},
+              {}};
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    table.rows.push_back(answered_row(report, experiment));
+  }
+  return format_html_table(table, 1) +
+         fmt::format(
+             "<p class=\"note\">Only finished sessions of the kind <i>{}</i> count; kinds never mix.</p>\n",
+             format_kind(report.evidence.kind));
+}
+
+std::string format_counting(const Report& report) {
+  std::string text = fmt::format(
+      "<p>A cell is one picture condition, both views together; k of n subjects were correct. It is flagged "
+      "iff "
+      "4k &ge; 3n, in integers: {}. 75&nbsp;% correct between two pictures is 50&nbsp;% detection after "
+      "correction "
+      "for guessing. The levels of a column were cut by a named rule; this page shows <i>{}</i>, the files "
+      "<code>thresholds.csv</code> and <code>ee.csv</code> both.</p>\n<ul>\n",
+      format_integer_cuts(report), format_rule(report.rule));
+  for (const Rule rule : kRules) text += "<li>" + format_rule_text(rule) + "</li>\n";
+  return text +
+         "</ul>\n<p>Only levels free of artifacts went on to the material experiment: the first, every "
+         "second, and the "
+         "last. So the material cut is uncertain by one clamp level, and the green region is conservative to "
+         "it.</p>\n";
+}
+
+std::string format_noise(const Report& report) {
+  const std::size_t references = count_measured_references(report);
+  if (references == 0) return "";
+  Table table{{"standard error, display steps of 255", "noisiest reference", "", "measured", "target"}, {}};
+  const NoiseTarget& target = report.study.noise_target;
+  for (const NoiseMeasure& measure :
+       {NoiseMeasure{"object_mean", "object, mean", target.object_mean},
+        NoiseMeasure{"object_p99", "object, 99th percentile", target.object_p99},
+        NoiseMeasure{"outside_mean", "outside the object, mean", target.outside_mean}}) {
+    table.rows.push_back(noise_row(report, measure));
+  }
+  return fmt::format(
+      "<section>\n<h2>Noise of the references</h2>\n<p>The noisiest of {} references against the "
+      "study&rsquo;s target.</p>\n{}</section>\n",
+      references, format_html_table(table, 3));
+}
+
+std::string format_cells(const Report& report) {
+  Table table{{"experiment", "cell", "flagged", "k", "n", "proportion correct", "p by guessing"}, {}};
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    const Tally& tally = tally_of(report, experiment);
+    for (const Cell& cell : enumerate_cells(report.study)) {
+      const Count& count = tally.at(cell);
+      if (count.n > 0) table.rows.push_back(cell_fields(experiment, cell, count));
+    }
+  }
+  return fmt::format(
+      "<details><summary>The {} tested cells; <code>cells.csv</code> has the untested ones "
+      "too</summary>\n{}</details>\n",
+      table.rows.size(), format_html_table(table, 3));
+}
+
+std::string format_provenance(const Report& report) {
+  DefinitionList list;
+  list.add("report made by", fmt::format("equilux-analyze {}", kVersion));
+  list.add("study", fmt::format("{}, seed {}", escape_xml(report.study.name), report.study.seed));
+  list.add_digests("study digest", {report.study.digest});
+  if (report.manifest) list.add("rendering seed", fmt::format("{}", report.manifest->seed));
+  if (report.windows) list.add_digests("windows in the folder", {report.windows->digest});
+  if (report.selection) {
+    list.add("selection",
+             fmt::format("rule {}, kind {}", report.selection->rule, format_kind(report.selection->kind)));
+    list.add_digests("selection digest", {digest_selection(*report.selection)});
+    list.add_digests("selection made from answers", {report.selection->answers_digest});
+  }
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    add_sessions(list, report.evidence.of(experiment), experiment);
+  }
+  return list.finish();
+}
+
+}  // namespace equilux

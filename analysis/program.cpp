@@ -1,0 +1,90 @@
+// The two subcommands: read the folder, compute, write, say so.
+#include "analysis/program.h"
+
+#include <cstdio>
+
+#include "analysis/prune.h"
+#include "analysis/tables.h"
+#include "base/error.h"
+#include "base/program.h"
+
+namespace equilux {
+namespace {
+
+template <typename T, typename Load>
+std::optional<T> load_if_there(const std::filesystem::path& path, const Load& load) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  return load(path);
+}
+
+std::string describe_sessions(const ExperimentEvidence& evidence, Experiment experiment) {
+  return fmt::format("{}: {} finished sessions, {} unfinished left out, {} answers\n",
+                     format_experiment(experiment), evidence.finished.size(), evidence.unfinished,
+                     evidence.answers.size());
+}
+
+std::string describe_outcome(PruneOutcome outcome, const std::string& path) {
+  switch (outcome) {
+    case PruneOutcome::kWritten:
+      return fmt::format("wrote {}\n", path);
+    case PruneOutcome::kUnchanged:
+      return fmt::format("{} stands already, unchanged\n", path);
+    case PruneOutcome::kFrozenEqual:
+      return fmt::format("{} is frozen, since a session has used it; pruning again gives the same\n", path);
+    case PruneOutcome::kFrozenOther:
+      break;
+  }
+  return fmt::format(
+      "{} is frozen, since a session has used it; pruning again would give the above instead. "
+      "Nothing was changed.\n",
+      path);
+}
+
+}  // namespace
+
+Report load_report(const StudyFolder& folder, std::optional<SubjectKind> kind, Rule rule) {
+  const Study study = load_folder_study(folder);
+  Evidence evidence = load_evidence(folder, study, kind);
+  ReportSources sources;
+  sources.selection = load_if_there<Selection>(
+      folder.selection(evidence.kind),
+      [&](const std::filesystem::path& path) { return load_selection(path, study); });
+  sources.windows = load_if_there<Windows>(
+      folder.windows(), [&](const std::filesystem::path& path) { return load_windows(path, study); });
+  sources.manifest = load_if_there<Manifest>(
+      folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
+  return make_report(study, std::move(evidence), rule, std::move(sources));
+}
+
+int run_prune(const AnalyzeParams& params) {
+  const StudyFolder folder{params.study_folder};
+  const Study study = load_folder_study(folder);
+  const Evidence evidence = load_evidence(folder, study, params.kind);
+  const Selection fresh = make_selection(study, tally_answers(evidence.artifact.answers, study),
+                                         evidence.kind, params.rule, evidence.artifact.digest);
+  const auto path = folder.selection(evidence.kind);
+  std::optional<Selection> standing;
+  if (std::filesystem::exists(path)) standing = load_selection(path, study);
+  const auto used = find_used_selections(TrialLog(folder.responses()), evidence.kind);
+  const PruneOutcome outcome = decide_pruning(fresh, standing, used);
+  if (outcome == PruneOutcome::kWritten) save_selection(fresh, path);
+  fmt::print("{}{}{}", describe_sessions(evidence.artifact, Experiment::kArtifact),
+             format_selection(fresh, study), describe_outcome(outcome, path.string()));
+  return outcome == PruneOutcome::kFrozenOther ? kExitError : kExitOk;
+}
+
+int run_report(const AnalyzeParams& params) {
+  const StudyFolder folder{params.study_folder};
+  const Report report = load_report(folder, params.kind, params.rule);
+  const auto page = write_report(report, folder.report_folder());
+  fmt::print("{}{}", describe_sessions(report.evidence.artifact, Experiment::kArtifact),
+             describe_sessions(report.evidence.material, Experiment::kMaterial));
+  if (report.evidence.kind == SubjectKind::kPlanted) {
+    fmt::print("PLANTED answers: they tell nothing about these pictures\n");
+  }
+  for (const std::string& warning : report.warnings) fmt::print("warning: {}\n", warning);
+  fmt::print("{}report: {}\n", format_ee_text(report.study, report.findings, report.rule), page.string());
+  return kExitOk;
+}
+
+}  // namespace equilux

@@ -1,0 +1,56 @@
+// From the counts of a column to its cut, by a named rule.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "analysis/tally.h"
+#include "protocols/experiment.h"
+
+namespace equilux {
+
+/// What to do when a column is not monotone. paper: the artifact cut is at the most clamped flagged level,
+/// the material region opens at the first changed one. isotonic: proportions are first made monotone by
+/// pooling adjacent violators, weighted by n; then the same. Both agree where the flags are monotone.
+enum class Rule { kPaper, kIsotonic };
+
+inline constexpr Rule kRules[] = {Rule::kPaper, Rule::kIsotonic};
+
+enum class CutStatus {
+  kCut,           ///< found between two tested levels
+  kCensoredLow,   ///< no tested level has artifacts: the threshold is at the first of them or less clamped
+  kCensoredHigh,  ///< artifacts still at the most clamped tested level, or no change: it lies beyond
+  kNone,          ///< no level is artifact-free, or none unchanged
+  kUntested       ///< no answers
+};
+
+/// What an experiment says of a clamp level.
+enum class LevelState {
+  kSame,       ///< free of artifacts, or unchanged material
+  kDifferent,  ///< artifacts, or changed material
+  kUnknown     ///< not tested, and nothing follows from the tested levels
+};
+
+struct Threshold {
+  /// Artifact: the least clamped level from which on the column is artifact-free. Material: the most clamped
+  /// level up to which it is unchanged.
+  std::optional<int> cut;
+  CutStatus status = CutStatus::kUntested;
+  bool monotone = true;            ///< the proportions of tested levels, as counted
+  bool flags_monotone = true;      ///< their flags: where false the rule decides
+  std::vector<LevelState> states;  ///< shape: one for each level of the column
+};
+
+std::string format_rule(Rule rule);
+Rule parse_rule(std::string_view text, std::string_view source, std::string_view place = "");
+std::string format_status(CutStatus status);
+
+/// Proportions made monotone: each tested level gets the summed counts of its block. Artifacts fall with
+/// clamp, material changes rise. Untested levels stay untested. source: Barlow et al. 1972, algorithm PAVA.
+ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment experiment);
+
+Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule);
+
+}  // namespace equilux

@@ -1,0 +1,196 @@
+// From a study folder to a session that may begin or go on: all checks that protect earlier answers.
+#include "experiment/open_session.h"
+
+#include <algorithm>
+#include <random>
+#include <type_traits>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "base/program.h"
+#include "base/version.h"
+#include "experiment/schedule.h"
+#include "protocols/truth.h"
+#include "protocols/windows.h"
+#include "stimuli/manifest.h"
+#include "stimuli/selection.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+// A manifest may be of an older study.json, whose pictures show something else.
+Manifest load_checked_manifest(const StudyFolder& folder, const Study& study) {
+  Manifest manifest = load_manifest(folder.manifest());
+  if (manifest.study_digest != study.digest) {
+    throw InputError(folder.manifest().string(), "/study_digest",
+                     fmt::format("{}, of {}", study.digest, folder.study().string()), manifest.study_digest);
+  }
+  return manifest;
+}
+
+void check_files_exist(const StudyFolder& folder, const Manifest& manifest,
+                       const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) {
+    const fs::path file = folder.root / manifest.pictures.at(key).file;
+    if (!fs::is_regular_file(file)) {
+      throw InputError(file.string(), "", fmt::format("the picture {} of the manifest", key), "no file");
+    }
+  }
+}
+
+// A selection must be of today's artifact answers, unless a session has used it: then it is frozen.
+void check_is_current(const Selection& selection, const StudyFolder& folder, const TrialLog& log,
+                      SubjectKind kind) {
+  const std::string source = folder.selection(kind).string();
+  if (selection.kind != kind) {
+    throw InputError(source, "/kind", format_kind(kind), format_kind(selection.kind));
+  }
+  if (log.has_session_using_selection(digest_selection(selection))) return;
+  const std::string answers = digest_answers(log.load_answers(kind, Experiment::kArtifact));
+  if (selection.answers_digest != answers) {
+    throw InputError(source, "/answers_digest",
+                     fmt::format("{}, of the artifact answers in the log", answers),
+                     fmt::format("{}; `equilux-analyze prune {}` prunes again", selection.answers_digest,
+                                 folder.root.string()));
+  }
+}
+
+Selection load_current_selection(const StudyFolder& folder, const TrialLog& log, const Study& study,
+                                 SubjectKind kind) {
+  if (!fs::exists(folder.selection(kind))) {
+    throw InputError(
+        folder.selection(kind).string(), "", "the selection for the material experiment",
+        fmt::format("nothing of that name; `equilux-analyze prune {}` makes it", folder.root.string()));
+  }
+  Selection selection = load_selection(folder.selection(kind), study);
+  check_is_current(selection, folder, log, kind);
+  return selection;
+}
+
+struct NamedDigest {
+  const char* name;
+  std::string SessionDigests::*member;
+};
+
+void check_same_digests(const SessionRow& earlier, const SessionDigests& now, const StudyFolder& folder) {
+  for (const auto& [name, member] :
+       {NamedDigest{"study", &SessionDigests::study}, NamedDigest{"pictures", &SessionDigests::manifest},
+        NamedDigest{"windows", &SessionDigests::windows},
+        NamedDigest{"selection", &SessionDigests::selection}, NamedDigest{"truth", &SessionDigests::truth}}) {
+    if (earlier.digests.*member != now.*member) {
+      throw InputError(folder.root.string(), name,
+                       fmt::format("what session {} of {} was made from (digest {})", earlier.id,
+                                   earlier.participant, earlier.digests.*member),
+                       fmt::format("{}; put it back, or begin in a new folder", now.*member));
+    }
+  }
+}
+
+std::string describe_resume(const ScreenRecord& screen) {
+  const auto number = [](const auto& value) { return value ? Json(*value) : Json(); };
+  Json detail;
+  detail.set("program_version", kVersion).set("monitor", screen.monitor);
+  detail.set("framebuffer_width", number(screen.framebuffer_width));
+  detail.set("framebuffer_height", number(screen.framebuffer_height));
+  detail.set("viewing_distance_m", number(screen.viewing_distance_m));
+  detail.set("degrees_wide", number(screen.degrees_wide));
+  detail.set("degrees_high", number(screen.degrees_high));
+  return format_canonical_json(detail);
+}
+
+OpenSession resume_session(TrialLog& log, const SessionRow& row, const ScreenRecord& screen) {
+  log.append_event(row.id, "resume", 0, describe_resume(screen));
+  return {row, make_session(row.experiment, log.load_trials(row.id)), true};
+}
+
+OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+  SessionRow row;
+  row.participant = request.participant;
+  row.kind = inputs.kind;
+  row.experiment = inputs.experiment;
+  row.subject_index = log.find_free_index(inputs.kind, inputs.experiment);
+  row.seed = request.seed;
+  row.program_version = kVersion;
+  row.digests = inputs.digests;
+  row.screen = request.screen;
+  row.started_utc = format_utc_now();
+  auto trials =
+      make_schedule(inputs.study, inputs.experiment, inputs.cells, inputs.kind, row.seed, row.subject_index);
+  row.id = log.append_session(row, trials);
+  return {row, make_session(inputs.experiment, std::move(trials)), false};
+}
+
+}  // namespace
+
+SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog& log,
+                                  const SessionRequest& request) {
+  SessionInputs inputs{folder, request.experiment, request.kind, load_folder_study(folder), {}, {}};
+  const Manifest manifest = load_checked_manifest(folder, inputs.study);
+  inputs.digests.study = inputs.study.digest;
+  if (request.experiment == Experiment::kArtifact) {
+    const Windows windows = load_windows(inputs.study.windows_path, inputs.study);
+    inputs.cells = enumerate_artifact_cells(inputs.study, windows);
+    inputs.digests.windows = windows.digest;
+  } else {
+    const Selection selection = load_current_selection(folder, log, inputs.study, request.kind);
+    inputs.cells = enumerate_selected_cells(selection, inputs.study);
+    inputs.digests.selection = digest_selection(selection);
+    if (inputs.cells.empty()) {
+      throw InputError(folder.selection(request.kind).string(), "/columns", "a level that is left to test",
+                       "none: every column was dropped");
+    }
+  }
+  if (request.kind == SubjectKind::kPlanted) {
+    inputs.digests.truth = load_truth(request.truth.value_or(folder.truth()), inputs.study).digest;
+  }
+  const auto keys = enumerate_showable(inputs.study, request.experiment, inputs.cells);
+  inputs.digests.manifest = digest_pictures(manifest, keys, folder.manifest().string());
+  check_files_exist(folder, manifest, keys);
+  return inputs;
+}
+
+OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+  EQ_CHECK(request.kind == inputs.kind && request.experiment == inputs.experiment);
+  std::optional<SessionRow> unfinished;
+  for (const SessionRow& row : log.load_sessions()) {
+    if (row.kind != inputs.kind || row.experiment != inputs.experiment) continue;
+    check_same_digests(row, inputs.digests, inputs.folder);
+    if (row.participant != request.participant) continue;
+    if (row.complete) {
+      throw InputError(
+          inputs.folder.responses().string(), "participant",
+          fmt::format("a code that has not finished the {} experiment", format_experiment(inputs.experiment)),
+          fmt::format("{}, of finished session {}", row.participant, row.id));
+    }
+    unfinished = row;
+  }
+  return unfinished ? resume_session(log, *unfinished, request.screen) : begin_session(inputs, log, request);
+}
+
+OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request) {
+  return open_session(load_session_inputs(folder, log, request), log, request);
+}
+
+void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& effect) {
+  const auto record = [&](const auto& what) {
+    using Effect = std::decay_t<decltype(what)>;
+    if constexpr (std::is_same_v<Effect, RecordShowing>) {
+      log.append_showing(session, what.trial, what.time_ns);
+    } else if constexpr (std::is_same_v<Effect, RecordAnswer>) {
+      log.append_answer(session, what.answer, what.next, what.time_ns);
+    } else if constexpr (std::is_same_v<Effect, RecordFinish>) {
+      log.finish_session(session, what.time_ns);
+    } else if constexpr (std::is_same_v<Effect, RecordAbort>) {
+      log.append_event(session, "abort", what.time_ns, what.reason);
+    }
+  };
+  std::visit(record, effect);
+}
+
+std::uint64_t draw_seed() {
+  std::random_device entropy;
+  return ((std::uint64_t{entropy()} << 32) | entropy()) >> 1;
+}
+
+}  // namespace equilux

@@ -1,0 +1,95 @@
+// Graphs as values: well-formed, complete, and readable without colour.
+#include "analysis/graph.h"
+
+#include <boost/property_tree/xml_parser.hpp>
+#include <gtest/gtest.h>
+#include <sstream>
+
+#include "analysis/markup.h"
+#include "analysis/tables.h"
+#include "base/error.h"
+#include "tests/analysis/columns.h"
+
+namespace equilux::tests {
+namespace {
+
+boost::property_tree::ptree read_xml(const std::string& text) {
+  std::istringstream stream(text);
+  boost::property_tree::ptree tree;
+  boost::property_tree::read_xml(stream, tree);
+  return tree;
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(Graph, is_well_formed_xml_with_a_cell_for_each_level_and_count) {
+  const PlantedStudy planted = make_planted_study("paper", 12, 14, 1, 0.02);
+  const auto findings = find_in(planted);
+  for (const Object& object : enumerate_objects(planted.study)) {
+    const std::string svg = draw_graph(object, findings_of(findings, object), Rule::kPaper);
+    ASSERT_NO_THROW(read_xml(svg)) << svg;
+    ASSERT_EQ(read_xml(svg).get<std::string>("svg.<xmlattr>.xmlns"), "http://www.w3.org/2000/svg");
+    ASSERT_EQ(count_of(svg, "class=\"cell\""), 3U * 11U);
+    ASSERT_EQ(count_of(svg, "<title>"), 3U * 11U);
+  }
+}
+
+TEST(Graph, has_a_dot_for_each_tested_cell_of_either_experiment) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const auto findings = find_in(planted);
+  std::size_t dots = 0;
+  for (const Object& object : enumerate_objects(planted.study)) {
+    dots += count_of(draw_graph(object, findings_of(findings, object), Rule::kPaper), "<circle");
+  }
+  EXPECT_EQ(dots, 8U * 4U + enumerate_selected_cells(planted.selection, planted.study).size());
+}
+
+TEST(Graph, puts_no_clamp_at_the_bottom_and_letters_every_region) {
+  const PlantedStudy planted = make_planted_study("pocket", 200, 200, 1, 0.0);
+  const auto findings = find_in(planted);
+  const Object object = enumerate_objects(planted.study)[1];
+  const std::string svg = draw_graph(object, findings_of(findings, object), Rule::kPaper);
+  const auto height_of = [&](const std::string& label) {
+    const std::size_t end = svg.find(">" + label + "</text>");
+    const std::size_t at = svg.rfind(" y=\"", end);
+    return std::stod(svg.substr(at + 4));
+  };
+  EXPECT_GT(height_of("C0"), height_of("C1"));
+  EXPECT_GT(height_of("C9"), height_of("C10"));
+  EXPECT_EQ(count_of(svg, ">A</text>") + count_of(svg, ">M</text>") + count_of(svg, ">E</text>") +
+                count_of(svg, ">?</text>"),
+            2U * 11U);
+}
+
+TEST(Graph, of_untested_columns_is_all_question_marks_without_dots) {
+  const Study study = load_protocol("pocket");
+  const Tally none = tally_answers({}, study);
+  const auto findings = find_equivalence(study, none, none, nullptr);
+  const Object object = enumerate_objects(study).front();
+  const std::string svg = draw_graph(object, findings_of(findings, object), Rule::kPaper);
+  EXPECT_EQ(count_of(svg, ">?</text>"), 22U);
+  EXPECT_EQ(count_of(svg, "<circle"), 0U);
+}
+
+TEST(Graph, its_legend_is_well_formed_xml) { EXPECT_NO_THROW(read_xml(draw_legend())); }
+
+TEST(Graph, the_xml_reader_of_these_tests_refuses_an_element_left_open) {
+  EXPECT_ANY_THROW(read_xml("<svg><g></svg>"));
+}
+
+TEST(Markup, escapes_the_five_characters) {
+  EXPECT_EQ(escape_xml("<a href='x'>\"&\""), "&lt;a href=&#39;x&#39;&gt;&quot;&amp;&quot;");
+}
+
+TEST(Markup, fills_every_place_and_wants_every_value_used) {
+  EXPECT_EQ(fill_template("{{a}}-{{b}}-{{a}}", {{"a", "{{b}}"}, {"b", "2"}}), "{{b}}-2-{{b}}");
+  EXPECT_THROW(fill_template("{{a}}", {}), CheckFailure);
+  EXPECT_THROW(fill_template("", {{"a", "1"}}), CheckFailure);
+}
+
+}  // namespace
+}  // namespace equilux::tests

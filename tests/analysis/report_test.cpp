@@ -1,0 +1,212 @@
+// The report as a whole: banner, warnings, files, and the same bytes for the same answers.
+#include "analysis/report.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <map>
+#include <set>
+
+#include "analysis/csv.h"
+#include "base/files.h"
+#include "tests/analysis/columns.h"
+
+namespace equilux::tests {
+namespace {
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "equilux-report-XXXXXX").string();
+    path = mkdtemp(name.data());
+  }
+  ~Folder() { fs::remove_all(path); }
+  fs::path path;
+};
+
+ExperimentEvidence make_evidence(const PlantedStudy& planted, Experiment experiment, SubjectKind kind,
+                                 int subjects) {
+  ExperimentEvidence evidence;
+  evidence.answers = experiment == Experiment::kArtifact ? planted.artifact : planted.material;
+  evidence.unfinished = 1;
+  evidence.digest = std::string(64, 'a');
+  for (int i = 0; i < subjects; ++i) {
+    SessionRow row;
+    row.id = i + 1;
+    row.kind = kind;
+    row.experiment = experiment;
+    row.subject_index = i;
+    row.seed = 7;
+    row.program_version = "0.1.0";
+    row.digests.study = planted.study.digest;
+    row.digests.manifest = std::string(64, 'b');
+    if (experiment == Experiment::kMaterial) row.digests.selection = digest_selection(planted.selection);
+    row.complete = true;
+    evidence.finished.push_back(row);
+  }
+  return evidence;
+}
+
+Report make_planted_report(const PlantedStudy& planted, SubjectKind kind = SubjectKind::kPlanted,
+                           Rule rule = Rule::kPaper) {
+  const Evidence evidence{kind, make_evidence(planted, Experiment::kArtifact, kind, 12),
+                          make_evidence(planted, Experiment::kMaterial, kind, 14)};
+  return make_report(planted.study, evidence, rule, {planted.selection, std::nullopt, std::nullopt});
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// Tags that HTML closes must nest; the void ones stand alone.
+bool is_balanced(const std::string& html) {
+  const std::set<std::string> alone{"meta", "!DOCTYPE"};
+  std::vector<std::string> open;
+  for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
+    const std::size_t end = html.find('>', at);
+    if (end == std::string::npos) return false;
+    const bool closes = html[at + 1] == '/';
+    const std::size_t from = at + (closes ? 2 : 1);
+    const std::string name = html.substr(from, html.find_first_of(" />\n", from) - from);
+    if (alone.contains(name) || html[end - 1] == '/') continue;
+    if (!closes) {
+      open.push_back(name);
+    } else {
+      if (open.empty() || open.back() != name) return false;
+      open.pop_back();
+    }
+  }
+  return open.empty();
+}
+
+TEST(Report, on_planted_answers_says_in_a_banner_that_it_tells_nothing_about_these_pictures) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  EXPECT_TRUE(has(format_page(make_planted_report(planted)), "class=\"banner\""));
+  EXPECT_TRUE(has(format_page(make_planted_report(planted)), "They tell nothing about these pictures."));
+}
+
+TEST(Report, on_answers_of_persons_has_no_banner_and_on_looking_ones_another) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  EXPECT_FALSE(has(format_page(make_planted_report(planted, SubjectKind::kPerson)), "class=\"banner\""));
+  const std::string looking = format_page(make_planted_report(planted, SubjectKind::kLooking));
+  EXPECT_TRUE(has(looking, "class=\"banner\""));
+  EXPECT_FALSE(has(looking, "planted. They"));
+}
+
+TEST(Report, its_page_is_balanced_and_needs_nothing_from_outside) {
+  for (const char* name : {"pocket", "paper", "validation", "normalisation"}) {
+    std::string page = format_page(make_planted_report(make_planted_study(name, 12, 14, 1, 0.02)));
+    EXPECT_TRUE(is_balanced(page)) << name;
+    for (std::size_t at; (at = page.find("http://www.w3.org/2000/svg")) != std::string::npos;)
+      page.erase(at, 26);
+    for (const char* outside : {"http:", "https:", "src=", "<link", "<script", "@import"}) {
+      EXPECT_FALSE(has(page, outside)) << name << ": " << outside;
+    }
+  }
+}
+
+TEST(Report, the_check_of_balance_fails_on_a_lost_end_tag) {
+  std::string page = format_page(make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02)));
+  page.erase(page.find("</table>"), 8);
+  EXPECT_FALSE(is_balanced(page));
+}
+
+std::map<std::string, std::string> read_folder(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    files[entry.path().filename().string()] = load_text(entry.path());
+  }
+  return files;
+}
+
+TEST(Report, writes_its_tables_a_graph_for_each_object_and_the_page) {
+  const Folder folder;
+  const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  EXPECT_EQ(write_report(report, folder.path / "report"), folder.path / "report" / "index.html");
+  std::set<std::string> names;
+  for (const auto& [name, text] : read_folder(folder.path / "report")) names.insert(name);
+  EXPECT_EQ(names, (std::set<std::string>{"cells.csv", "thresholds.csv", "ee.csv", "index.html",
+                                          "graph-G0-MS-ind.svg", "graph-G0-GS-ind.svg", "graph-G2-MS-ind.svg",
+                                          "graph-G2-GS-ind.svg"}));
+  EXPECT_EQ(parse_csv(load_text(folder.path / "report" / "thresholds.csv"), "test").rows.size(),
+            2U * 8U * 2U);
+}
+
+TEST(Report, has_the_same_bytes_for_the_same_answers_in_any_order) {
+  PlantedStudy planted = make_planted_study("pocket", 12, 14, 4, 0.02);
+  const Folder first, second;
+  write_report(make_planted_report(planted), first.path);
+  RandomStream random(4, "permutation", 0);
+  shuffle(planted.artifact, random);
+  shuffle(planted.material, random);
+  write_report(make_planted_report(planted), second.path);
+  EXPECT_EQ(read_folder(first.path), read_folder(second.path));
+}
+
+TEST(Report, warns_once_artifact_sessions_were_finished_after_pruning) {
+  PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  EXPECT_TRUE(make_planted_report(planted).warnings.empty());
+  planted.selection.answers_digest = std::string(64, 'f');
+  const auto warnings = make_planted_report(planted).warnings;
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_TRUE(has(warnings.front(), "finished after pruning"));
+  EXPECT_TRUE(has(format_page(make_planted_report(planted)), "class=\"warning\""));
+}
+
+TEST(Report, warns_of_a_selection_that_is_missing_or_another_than_the_sessions_used) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  Report report = make_planted_report(planted);
+  Evidence evidence = report.evidence;
+  EXPECT_TRUE(has(make_report(planted.study, evidence, Rule::kPaper, {}).warnings.at(0), "is missing"));
+  evidence.material.finished.front().digests.selection = std::string(64, '0');
+  const ReportSources sources{planted.selection, std::nullopt, std::nullopt};
+  EXPECT_TRUE(
+      has(make_report(planted.study, evidence, Rule::kPaper, sources).warnings.at(0), "a selection other"));
+}
+
+TEST(Report, warns_of_placeholder_windows) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const Evidence evidence{
+      SubjectKind::kPerson, make_evidence(planted, Experiment::kArtifact, SubjectKind::kPerson, 0), {}};
+  const Windows windows = load_windows(planted.study.windows_path, planted.study);
+  const Report report =
+      make_report(planted.study, evidence, Rule::kPaper, {std::nullopt, windows, std::nullopt});
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_TRUE(has(report.warnings.front(), "8 of 8 columns are placeholders"));
+}
+
+TEST(Report, before_the_material_experiment_shows_columns_as_not_tested) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const Evidence evidence{
+      SubjectKind::kPlanted, make_evidence(planted, Experiment::kArtifact, SubjectKind::kPlanted, 12), {}};
+  const Report report = make_report(planted.study, evidence, Rule::kPaper, {planted.selection, {}, {}});
+  EXPECT_TRUE(has(format_page(report), "8 are not tested to the end."));
+  EXPECT_TRUE(report.warnings.empty());
+}
+
+TEST(Report, says_whether_the_references_met_their_noise_target) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  Report report = make_planted_report(planted);
+  report.manifest = Manifest{};
+  Json error;
+  error.set("object_mean", 2.5).set("object_p99", 7.25).set("outside_mean", 1.0);
+  report.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/x.png", "", "", error};
+  const std::string page = format_page(report);
+  EXPECT_TRUE(has(page, "Noise of the references"));
+  EXPECT_TRUE(has(page, "<span class=\"missed\">MISSED</span></td><td class=\"number\">7.25"));
+  EXPECT_TRUE(has(page, "<span class=\"met\">MET</span></td><td class=\"number\">2.50"));
+}
+
+TEST(Report, lists_columns_whose_flags_go_back_and_forth) {
+  PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.0);
+  EXPECT_FALSE(has(format_page(make_planted_report(planted)), "so that the rule decides"));
+  for (AnswerRow& row : planted.artifact) {
+    if (format_key(row.cell) == "G0-MS-ind-1k-C5") row.correct = row.subject_index < 6;
+  }
+  const std::string page = format_page(make_planted_report(planted));
+  EXPECT_TRUE(has(page, "so that the rule decides"));
+  EXPECT_TRUE(has(page, "G0-MS-ind-1k</td><td>artifact"));
+}
+
+}  // namespace
+}  // namespace equilux::tests
