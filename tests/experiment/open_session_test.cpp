@@ -1,0 +1,235 @@
+// The door to a session: what it lets in, what it lets go on, and what it refuses.
+#include "experiment/open_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "experiment/schedule.h"
+#include "tests/experiment/fake_study.h"
+#include "tests/experiment/fake_trials.h"
+#include "tests/experiment/raw_database.h"
+#include "tests/experiment/schedule_checks.h"
+
+namespace equilux {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::ThrowsMessage;
+
+class OpenSessionTest : public ::testing::Test {
+ protected:
+  SessionRequest request_of(const std::string& participant,
+                            Experiment experiment = Experiment::kArtifact) const {
+    return {experiment, SubjectKind::kPerson, participant,
+            77,         std::nullopt,         {"DP-1", 1200, 1000, 0.4572, 16, 12}};
+  }
+  OpenSession open(const std::string& participant, Experiment experiment = Experiment::kArtifact) {
+    return open_session(folder_, log_, request_of(participant, experiment));
+  }
+  void finish(const OpenSession& session) {
+    answer_all(log_, session.row.id, static_cast<int>(session.session.trials.size()));
+  }
+  template <typename Matcher>
+  void expect_refused(const Matcher& message, const std::string& participant = "P1",
+                      Experiment experiment = Experiment::kArtifact) {
+    const auto before = log_.load_sessions().size();
+    EXPECT_THAT([&] { open(participant, experiment); }, ThrowsMessage<InputError>(message));
+    EXPECT_EQ(log_.load_sessions().size(), before);
+  }
+  void replace_in_file(const fs::path& path, const std::string& what, const std::string& by) {
+    std::string text = load_text(path);
+    const std::size_t place = text.find(what);
+    ASSERT_NE(place, std::string::npos) << what;
+    save_text(path, text.replace(place, what.size(), by));
+  }
+
+  TemporaryFolder temporary_;
+  StudyFolder folder_ = make_fake_study(temporary_.path());
+  TrialLog log_{folder_.responses(), true};
+};
+
+TEST_F(OpenSessionTest, BeginsWithAWrittenSchedule) {
+  const OpenSession session = open("P1");
+  EXPECT_FALSE(session.resumed);
+  EXPECT_EQ(session.row.subject_index, 0);
+  EXPECT_EQ(session.row.seed, 77u);
+  EXPECT_EQ(session.session.trials.size(), 32u);
+  EXPECT_EQ(session.session.screen, Screen::kInstructions);
+  EXPECT_EQ(log_.load_trials(session.row.id).size(), 32u);
+  const SessionRow row = log_.load_sessions().at(0);
+  EXPECT_EQ(row.participant, "P1");
+  EXPECT_EQ(row.screen.monitor, "DP-1");
+  EXPECT_EQ(row.screen.degrees_wide, std::optional(16.0));
+  EXPECT_EQ(row.digests, session.row.digests);
+}
+
+TEST_F(OpenSessionTest, RecordsWhatASessionWasMadeFrom) {
+  const Study study = load_folder_study(folder_);
+  const SessionDigests artifact = open("P1").row.digests;
+  EXPECT_EQ(artifact.study, study.digest);
+  EXPECT_EQ(artifact.windows, load_windows(folder_.windows(), study).digest);
+  EXPECT_EQ(artifact.manifest.size(), 64u);
+  EXPECT_EQ(artifact.selection, "");
+  EXPECT_EQ(artifact.truth, "");
+  const Selection selection = save_fake_selection(folder_, SubjectKind::kPerson, {4, 6, 10});
+  const SessionDigests material = open("P1", Experiment::kMaterial).row.digests;
+  EXPECT_EQ(material.windows, "");
+  EXPECT_EQ(material.selection, digest_selection(selection));
+  EXPECT_NE(material.manifest, artifact.manifest);
+}
+
+TEST_F(OpenSessionTest, GivesTheLowestFreeIndexOfTheKind) {
+  EXPECT_EQ(open("P1").row.subject_index, 0);
+  EXPECT_EQ(open("P2").row.subject_index, 1);
+  SessionRequest planted = request_of("planted-77-0");
+  planted.kind = SubjectKind::kPlanted;
+  EXPECT_EQ(open_session(folder_, log_, planted).row.subject_index, 0);
+}
+
+TEST_F(OpenSessionTest, GoesOnWithTheParticipantsUnfinishedSession) {
+  const OpenSession begun = open("P1");
+  open("P2");
+  log_.append_answer(begun.row.id, {0, Side::kLeft, 5}, 1, 9);
+  SessionRequest request = request_of("P1");
+  request.seed = 99;
+  request.screen.monitor = "DP-2";
+  const OpenSession resumed = open_session(folder_, log_, request);
+  EXPECT_TRUE(resumed.resumed);
+  EXPECT_EQ(resumed.row.id, begun.row.id);
+  EXPECT_EQ(resumed.row.seed, 77u);
+  EXPECT_EQ(resumed.session.current, 1);
+  EXPECT_EQ(resumed.session.trials[0].answer, std::optional(Side::kLeft));
+  EXPECT_EQ(log_.load_sessions().size(), 2u);
+  const auto events = load_events(folder_.responses());
+  EXPECT_EQ(events.back().at(2), "resume");
+  EXPECT_THAT(events.back().at(4), HasSubstr("DP-2"));
+}
+
+TEST_F(OpenSessionTest, FinishesASessionThatWasKilledAfterItsLastAnswer) {
+  const OpenSession begun = open("P1");
+  for (const TrialRow& trial : begun.session.trials) {
+    log_.append_answer(begun.row.id, {trial.number, Side::kLeft, 5}, std::nullopt, 9);
+  }
+  OpenSession resumed = open("P1");
+  for (const SessionEffect& effect : advance(resumed.session, ContinueEvent{3})) {
+    record_effect(log_, resumed.row.id, effect);
+  }
+  EXPECT_EQ(resumed.session.screen, Screen::kThanks);
+  EXPECT_TRUE(log_.load_sessions().at(0).complete);
+}
+
+TEST_F(OpenSessionTest, RefusesAParticipantWhoHasFinished) {
+  finish(open("P1"));
+  expect_refused(
+      AllOf(HasSubstr("has not finished the artifact experiment"), HasSubstr("P1, of finished session 1")));
+  EXPECT_NO_THROW(open("P2"));
+}
+
+TEST_F(OpenSessionTest, RefusesAFolderThatIsNoStudy) {
+  fs::remove(folder_.study());
+  expect_refused(HasSubstr("equilux-render set"));
+}
+
+TEST_F(OpenSessionTest, RefusesAFolderWithoutManifest) {
+  fs::remove(folder_.manifest());
+  expect_refused(HasSubstr("manifest.json"));
+}
+
+TEST_F(OpenSessionTest, RefusesAManifestOfAnotherStudy) {
+  replace_in_file(folder_.study(), "\"seed\": 1", "\"seed\": 2");
+  expect_refused(AllOf(HasSubstr("manifest.json"), HasSubstr("/study_digest")));
+}
+
+TEST_F(OpenSessionTest, RefusesAMissingPictureOfTheManifest) {
+  Manifest manifest = load_manifest(folder_.manifest());
+  manifest.pictures.erase("G2-GS-ind-10k-C4-v1");
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(AllOf(HasSubstr("the picture G2-GS-ind-10k-C4-v1"), HasSubstr("equilux-render set")));
+}
+
+TEST_F(OpenSessionTest, RefusesAMissingPictureFile) {
+  fs::remove(folder_.picture_folder() / "G0-MS-ind-ref-v0.png");
+  expect_refused(AllOf(HasSubstr("G0-MS-ind-ref-v0.png"), HasSubstr("no file")));
+}
+
+TEST_F(OpenSessionTest, DoesNotMissPicturesThatItNeverShows) {
+  fs::remove(folder_.picture_folder() / "G0-MS-ind-1k-C0-v0.png");
+  EXPECT_NO_THROW(open("P1"));
+}
+
+TEST_F(OpenSessionTest, RefusesToGoOnOrRepeatWithOtherWindows) {
+  open("P1");
+  replace_in_file(folder_.windows(), "\"first\": \"C4\"", "\"first\": \"C5\"");
+  expect_refused(HasSubstr("windows: expected what session 1 of P1 was made from"), "P1");
+  expect_refused(HasSubstr("windows: expected what session 1 of P1 was made from"), "P2");
+}
+
+TEST_F(OpenSessionTest, RefusesToGoOnOrRepeatWithAnotherPicture) {
+  finish(open("P1"));
+  Manifest manifest = load_manifest(folder_.manifest());
+  manifest.pictures["G0-MS-ind-1k-C4-v0"].digest = digest_text("another");
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(HasSubstr("pictures: expected"), "P2");
+}
+
+TEST_F(OpenSessionTest, RefusesToGoOnWithAnotherSelection) {
+  save_fake_selection(folder_, SubjectKind::kPerson, {4, 6, 10});
+  open("P1", Experiment::kMaterial);
+  save_fake_selection(folder_, SubjectKind::kPerson, {4, 8, 10});
+  expect_refused(HasSubstr("selection: expected"), "P1", Experiment::kMaterial);
+}
+
+TEST_F(OpenSessionTest, RefusesASelectionOfAnotherKind) {
+  save_fake_selection(folder_, SubjectKind::kPlanted, {4});
+  fs::rename(folder_.selection(SubjectKind::kPlanted), folder_.selection(SubjectKind::kPerson));
+  expect_refused(HasSubstr("/kind: expected person, got planted"), "P1", Experiment::kMaterial);
+}
+
+TEST_F(OpenSessionTest, RefusesASelectionThatDroppedEverything) {
+  save_fake_selection(folder_, SubjectKind::kPerson, {});
+  expect_refused(HasSubstr("every column was dropped"), "P1", Experiment::kMaterial);
+}
+
+TEST_F(OpenSessionTest, RecordsEachEffectOfASession) {
+  OpenSession open_one = open("P1");
+  const auto record_all = [&](const SessionEvent& event) {
+    for (const SessionEffect& effect : advance(open_one.session, event)) {
+      record_effect(log_, open_one.row.id, effect);
+    }
+  };
+  record_all(ContinueEvent{1});
+  record_all(ShownEvent{0, 2});
+  record_all(AnswerEvent{Side::kRight, 5});
+  record_all(AbortEvent{"escape", 6});
+  EXPECT_EQ(log_.load_trials(1).at(0).response_time_ns, std::optional<std::int64_t>(3));
+  std::vector<std::string> kinds;
+  for (const auto& event : load_events(folder_.responses())) kinds.push_back(event.at(2));
+  EXPECT_EQ(kinds, (std::vector<std::string>{"showing", "answer", "showing", "abort"}));
+}
+
+TEST_F(OpenSessionTest, DrawsSeedsThatTheLogCanKeep) {
+  std::set<std::uint64_t> seeds;
+  for (int i = 0; i < 100; ++i) {
+    seeds.insert(draw_seed());
+    EXPECT_LT(*seeds.rbegin(), std::uint64_t{1} << 63);
+  }
+  EXPECT_EQ(seeds.size(), 100u);
+}
+
+// Through the door, not only through make_schedule: 12 persons of the pocket study, session seed 77; exact.
+TEST_F(OpenSessionTest, BalancesTheSessionsItOpens) {
+  const Study study = load_folder_study(folder_);
+  BalanceOverSubjects balance(study, Experiment::kArtifact);
+  for (int i = 0; i < 12; ++i) {
+    const auto session = open(fmt::format("P{}", i));
+    EXPECT_THAT(check_session_balance(session.session.trials), IsEmpty());
+    EXPECT_THAT(balance.add(log_.load_trials(session.row.id)), IsEmpty());
+  }
+}
+
+}  // namespace
+}  // namespace equilux

@@ -1,0 +1,181 @@
+// The session by its events alone: no clock, no window, no log.
+#include "experiment/session.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "tests/experiment/fake_trials.h"
+
+namespace equilux {
+namespace {
+
+Session start(int count) { return make_session(Experiment::kArtifact, make_fake_trials(count)); }
+
+// Brings the pair that is due on the screen.
+void show(Session& session, std::int64_t time_ns) {
+  EXPECT_TRUE(advance(session, ShownEvent{session.current, time_ns}).empty());
+}
+
+template <typename T>
+const T& effect_at(const std::vector<SessionEffect>& effects, std::size_t index) {
+  EXPECT_LT(index, effects.size());
+  const T* effect = std::get_if<T>(&effects.at(index));
+  EXPECT_NE(effect, nullptr) << "effect " << index << " is number " << effects.at(index).index();
+  return *effect;
+}
+
+TEST(Session, RecordsAShowingBeforeItShows) {
+  Session session = start(3);
+  EXPECT_EQ(session.screen, Screen::kInstructions);
+  const auto effects = advance(session, ContinueEvent{10});
+  ASSERT_EQ(effects.size(), 2u);
+  EXPECT_EQ(effect_at<RecordShowing>(effects, 0).trial, 0);
+  EXPECT_EQ(effect_at<RecordShowing>(effects, 0).time_ns, 10);
+  EXPECT_EQ(effect_at<ShowTrial>(effects, 1).trial, 0);
+  EXPECT_EQ(session.screen, Screen::kTrial);
+}
+
+TEST(Session, RecordsAnAnswerWithTheNextShowingBeforeItShowsTheNext) {
+  Session session = start(3);
+  advance(session, ContinueEvent{0});
+  show(session, 100);
+  const auto effects = advance(session, AnswerEvent{Side::kRight, 350});
+  ASSERT_EQ(effects.size(), 2u);
+  const auto& recorded = effect_at<RecordAnswer>(effects, 0);
+  EXPECT_EQ(recorded.answer.trial, 0);
+  EXPECT_EQ(recorded.answer.side, Side::kRight);
+  EXPECT_EQ(recorded.answer.response_time_ns, 250);
+  EXPECT_EQ(recorded.next, std::optional(1));
+  EXPECT_EQ(recorded.time_ns, 350);
+  EXPECT_EQ(effect_at<ShowTrial>(effects, 1).trial, 1);
+  EXPECT_EQ(session.trials[0].answer, std::optional(Side::kRight));
+  EXPECT_EQ(session.trials[0].response_time_ns, std::optional<std::int64_t>(250));
+}
+
+TEST(Session, IgnoresAPressBeforeTheOnset) {
+  Session session = start(2);
+  advance(session, ContinueEvent{0});
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 50}).empty());
+  show(session, 100);
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 99}).empty());
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 100}).empty());
+  EXPECT_EQ(session.current, 0);
+  EXPECT_EQ(advance(session, AnswerEvent{Side::kLeft, 101}).size(), 2u);
+}
+
+TEST(Session, IgnoresASecondPress) {
+  Session session = start(2);
+  advance(session, ContinueEvent{0});
+  show(session, 100);
+  advance(session, AnswerEvent{Side::kLeft, 200});
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kRight, 201}).empty());
+  EXPECT_EQ(session.trials[0].answer, std::optional(Side::kLeft));
+  EXPECT_FALSE(session.trials[1].answer);
+  EXPECT_EQ(session.current, 1);
+}
+
+TEST(Session, MeasuresFromTheFirstOnsetOfAShowing) {
+  Session session = start(2);
+  advance(session, ContinueEvent{0});
+  show(session, 100);
+  show(session, 180);
+  const auto effects = advance(session, AnswerEvent{Side::kLeft, 200});
+  EXPECT_EQ(effect_at<RecordAnswer>(effects, 0).answer.response_time_ns, 100);
+}
+
+TEST(Session, IgnoresTheOnsetOfAnotherPair) {
+  Session session = start(3);
+  advance(session, ContinueEvent{0});
+  EXPECT_TRUE(advance(session, ShownEvent{1, 100}).empty());
+  EXPECT_FALSE(session.onset_ns);
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 200}).empty());
+}
+
+TEST(Session, FinishesAfterTheLastAnswer) {
+  Session session = start(1);
+  advance(session, ContinueEvent{0});
+  show(session, 100);
+  const auto effects = advance(session, AnswerEvent{Side::kLeft, 300});
+  ASSERT_EQ(effects.size(), 2u);
+  EXPECT_FALSE(effect_at<RecordAnswer>(effects, 0).next);
+  EXPECT_EQ(effect_at<RecordFinish>(effects, 1).time_ns, 300);
+  EXPECT_EQ(session.screen, Screen::kThanks);
+  EXPECT_EQ(session.current, 1);
+}
+
+TEST(Session, ShowsTheWaitingPairAgainAfterAnInterruption) {
+  auto trials = make_fake_trials(3);
+  trials[0].answer = Side::kLeft;
+  Session session = make_session(Experiment::kArtifact, trials);
+  EXPECT_EQ(session.current, 1);
+  const auto effects = advance(session, ContinueEvent{5});
+  EXPECT_EQ(effect_at<RecordShowing>(effects, 0).trial, 1);
+  EXPECT_EQ(effect_at<ShowTrial>(effects, 1).trial, 1);
+}
+
+TEST(Session, SkipsPairsThatWereAnsweredBefore) {
+  auto trials = make_fake_trials(4);
+  trials[1].answer = trials[2].answer = Side::kLeft;
+  Session session = make_session(Experiment::kArtifact, trials);
+  advance(session, ContinueEvent{0});
+  show(session, 1);
+  EXPECT_EQ(effect_at<RecordAnswer>(advance(session, AnswerEvent{Side::kLeft, 2}), 0).next, std::optional(3));
+}
+
+TEST(Session, OnlyFinishesWhereAllWasAnsweredBeforeAnInterruption) {
+  auto trials = make_fake_trials(2);
+  for (TrialRow& trial : trials) trial.answer = Side::kRight;
+  Session session = make_session(Experiment::kArtifact, trials);
+  const auto effects = advance(session, ContinueEvent{9});
+  ASSERT_EQ(effects.size(), 1u);
+  EXPECT_EQ(effect_at<RecordFinish>(effects, 0).time_ns, 9);
+  EXPECT_EQ(session.screen, Screen::kThanks);
+}
+
+TEST(Session, AbortsFromInstructionsAndTrials) {
+  for (const bool begun : {false, true}) {
+    Session session = start(2);
+    if (begun) advance(session, ContinueEvent{0});
+    const auto effects = advance(session, AbortEvent{"window closed", 7});
+    ASSERT_EQ(effects.size(), 1u);
+    EXPECT_EQ(effect_at<RecordAbort>(effects, 0).reason, "window closed");
+    EXPECT_EQ(effect_at<RecordAbort>(effects, 0).time_ns, 7);
+    EXPECT_EQ(session.screen, Screen::kAborted);
+  }
+}
+
+// Every event on the two screens that wait for none of them.
+TEST(Session, TakesNothingAfterItsEnd) {
+  Session finished = start(1);
+  advance(finished, ContinueEvent{0});
+  show(finished, 1);
+  advance(finished, AnswerEvent{Side::kLeft, 2});
+  Session aborted = start(1);
+  advance(aborted, AbortEvent{"", 0});
+  for (Session* session : {&finished, &aborted}) {
+    const Screen screen = session->screen;
+    for (const SessionEvent& event :
+         std::initializer_list<SessionEvent>{ContinueEvent{3}, ShownEvent{0, 3}, ShownEvent{1, 3},
+                                             AnswerEvent{Side::kRight, 4}, AbortEvent{"", 5}}) {
+      EXPECT_TRUE(advance(*session, event).empty());
+      EXPECT_EQ(session->screen, screen);
+    }
+  }
+}
+
+TEST(Session, TakesNoAnswerOnTheInstructions) {
+  Session session = start(1);
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 1}).empty());
+  EXPECT_TRUE(advance(session, ShownEvent{0, 1}).empty());
+  EXPECT_EQ(session.screen, Screen::kInstructions);
+  EXPECT_FALSE(session.onset_ns);
+}
+
+TEST(Session, RefusesTrialsOutOfOrder) {
+  auto trials = make_fake_trials(2);
+  std::swap(trials[0], trials[1]);
+  EXPECT_THROW(make_session(Experiment::kArtifact, trials), CheckFailure);
+}
+
+}  // namespace
+}  // namespace equilux
