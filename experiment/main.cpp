@@ -67,8 +67,7 @@ int run(const RunOptions& options) {
 }
 #else
 int run(const RunOptions&) {
-  throw InputError("equilux-session", "run", "a build with a window (EQUILUX_WINDOW=ON)",
-                   "a build without one");
+  throw InputError("run", "", "a build with a window (EQUILUX_WINDOW=ON)", "a build without one");
 }
 #endif
 
@@ -88,7 +87,7 @@ void add_simulate(CLI::App& app, SimulateOptions& options) {
       ->type_name("FILE");
   command->add_flag("--acknowledge", options.acknowledge,
                     "Print `answered SESSION TRIAL` as soon as an answer is on the disk");
-  command->footer("\nExample: equilux-session simulate studies/pocket --experiment artifact --subjects 12");
+  command->footer("Example: equilux-session simulate studies/pocket --experiment artifact --subjects 12");
 }
 
 void add_run(CLI::App& app, RunOptions& options) {
@@ -105,20 +104,20 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--diagonal", options.diagonal_inches, "Of the visible screen, measured")
       ->type_name("INCHES")
       ->check(CLI::Range(1.0, 1000.0));
-  command->footer("\nExample: equilux-session run studies/pocket --experiment artifact --participant P01");
+  command->footer("Example: equilux-session run studies/pocket --experiment artifact --participant P01");
 }
 
 void add_status(CLI::App& app, std::string& folder) {
   CLI::App* command = app.add_subcommand("status", "Who has answered how much");
   command->add_option("folder", folder, "Study folder")->required()->type_name("DIR");
-  command->footer("\nExample: equilux-session status studies/pocket");
+  command->footer("Example: equilux-session status studies/pocket");
 }
 
 int run_command_line(int argc, char** argv) {
   CLI::App app("Runs subjects through the experiments of a study folder.", "equilux-session");
   app.set_version_flag("--version", std::string("equilux-session ") + kVersion);
   app.require_subcommand(1);
-  app.footer("\nExample: equilux-session status studies/pocket");
+  app.footer("Example: equilux-session status studies/pocket");
   SimulateOptions simulate_options;
   RunOptions run_options;
   std::string status_folder;

@@ -74,10 +74,11 @@ struct NamedDigest {
 };
 
 void check_same_digests(const SessionRow& earlier, const SessionDigests& now, const StudyFolder& folder) {
+  // What was edited before what follows from it: other windows show other pictures.
   for (const auto& [name, member] :
-       {NamedDigest{"study", &SessionDigests::study}, NamedDigest{"pictures", &SessionDigests::manifest},
-        NamedDigest{"windows", &SessionDigests::windows},
-        NamedDigest{"selection", &SessionDigests::selection}, NamedDigest{"truth", &SessionDigests::truth}}) {
+       {NamedDigest{"study", &SessionDigests::study}, NamedDigest{"windows", &SessionDigests::windows},
+        NamedDigest{"selection", &SessionDigests::selection}, NamedDigest{"truth", &SessionDigests::truth},
+        NamedDigest{"pictures", &SessionDigests::manifest}}) {
     if (earlier.digests.*member != now.*member) {
       throw InputError(folder.root.string(), name,
                        fmt::format("what session {} of {} was made from (digest {})", earlier.id,

@@ -29,6 +29,7 @@ class Child {
         std::optional<rlim_t> file_size_limit = std::nullopt) {
     int out[2], err[2];
     EQ_CHECK(::pipe2(out, O_CLOEXEC) == 0 && ::pipe2(err, O_CLOEXEC) == 0);
+    ::fcntl(out[1], F_SETPIPE_SZ, 4096);  // so that the program cannot run far ahead of its reader
     pid_ = ::fork();
     EQ_CHECK(pid_ >= 0);
     if (pid_ == 0) become(program, arguments, file_size_limit, out[1], err[1]);

@@ -180,7 +180,7 @@ TEST_F(OpenSessionTest, RefusesToGoOnWithAnotherSelection) {
   save_fake_selection(folder_, SubjectKind::kPerson, {4, 6, 10});
   open("P1", Experiment::kMaterial);
   save_fake_selection(folder_, SubjectKind::kPerson, {4, 8, 10});
-  expect_refused(HasSubstr("pictures: expected"), "P1", Experiment::kMaterial);
+  expect_refused(HasSubstr("selection: expected"), "P1", Experiment::kMaterial);
 }
 
 TEST_F(OpenSessionTest, RefusesASelectionOfAnotherKind) {
