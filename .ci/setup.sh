@@ -1,0 +1,59 @@
+# Shared by ./run and ./check: installing Debian packages and building a preset. Sourced, not run.
+# shellcheck shell=bash
+
+# What every build and the programs need.
+packages_build=(cmake ninja-build g++ pkg-config
+  libembree-dev libtbb-dev libopenexr-dev libpng-dev libassimp-dev libsqlite3-dev libssl-dev libboost-dev
+  libfmt-dev libcli11-dev nlohmann-json3-dev libvalijson-dev
+  libglfw3-dev libimgui-dev libgl-dev libx11-dev libgl1-mesa-dri fonts-dejavu-core)
+# What the tests need beside it.
+packages_test=(libgtest-dev libgmock-dev libxtst-dev xvfb clang-format git python3)
+
+say() { printf '\n== %s\n' "$*"; }
+
+# as_root COMMAND...: as it is for root, by sudo for others.
+as_root() {
+  if [ "$(id -u)" = 0 ]; then
+    env DEBIAN_FRONTEND=noninteractive "$@"
+  elif command -v sudo >/dev/null; then
+    sudo env DEBIAN_FRONTEND=noninteractive "$@"
+  else
+    echo "$0: packages are missing and there is neither root nor sudo to install them: $*" >&2
+    return 1
+  fi
+}
+
+missing_packages() {
+  local package
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
+  done
+}
+
+# install_packages PACKAGE...: installs what is missing, asking the package system only then.
+install_packages() {
+  local missing log
+  mapfile -t missing < <(missing_packages "$@")
+  [ "${#missing[@]}" -gt 0 ] || { echo "all ${#} packages are installed"; return; }
+  echo "installing ${missing[*]}"
+  log=$(mktemp)
+  # Several package runs may meet: wait for the lock.
+  if as_root apt-get -o DPkg::Lock::Timeout=600 update >"$log" 2>&1 &&
+    as_root apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+    rm -f "$log"
+  else
+    tail -n 30 "$log" >&2
+    echo "$0: packages could not be installed; the whole log is in $log" >&2
+    return 1
+  fi
+}
+
+# build_preset PRESET [CMAKE-OPTION...]
+build_preset() {
+  local preset=$1 log
+  shift
+  log=build/$preset-configure.log
+  mkdir -p build
+  cmake --preset "$preset" "$@" >"$log" 2>&1 || { cat "$log" >&2; return 1; }
+  cmake --build --preset "$preset"
+}
