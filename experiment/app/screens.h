@@ -15,8 +15,9 @@ namespace equilux {
 struct StartForm {
   std::array<char, 1024> folder{};
   std::array<char, 65> participant{};
-  int experiment = -1;  ///< 0 artifact, 1 material, -1 not chosen
-  std::string error;    ///< why it could not start; shown until the next try
+  int experiment = -1;      ///< 0 artifact, 1 material, -1 not chosen
+  std::string error;        ///< why it could not start; shown until the next try
+  bool takes_focus = true;  ///< the next frame puts the keyboard into the first empty field
 };
 
 StartForm make_start_form(const AppParams& params);

@@ -166,6 +166,11 @@ struct AppWindow::Callbacks {
     event.code = static_cast<int>(code);
     of(window).events_.push_back(event);
   }
+  // A click belongs where the pointer was then, not where it is when the click is read.
+  static void move(GLFWwindow* window, double x, double y) {
+    of(window).pointer_x_ = x;
+    of(window).pointer_y_ = y;
+  }
   static void scroll(GLFWwindow* window, double x, double y) {
     InputEvent event = of(window).make_event(InputKind::kScroll);
     event.x = x;
@@ -178,6 +183,7 @@ struct AppWindow::Callbacks {
   static void install(GLFWwindow* window) {
     glfwSetKeyCallback(window, key);
     glfwSetMouseButtonCallback(window, button);
+    glfwSetCursorPosCallback(window, move);
     glfwSetCharCallback(window, character);
     glfwSetScrollCallback(window, scroll);
     glfwSetWindowRefreshCallback(window, refresh);
@@ -200,6 +206,7 @@ void AppWindow::open(const Display& display, Size size, bool fills_monitor) {
   try {
     glfwSetWindowUserPointer(window_, this);
     Callbacks::install(window_);
+    glfwGetCursorPos(window_, &pointer_x_, &pointer_y_);
     if (!fills_monitor) centre(window_, monitor_, size);
     glfwShowWindow(window_);
     glfwFocusWindow(window_);
@@ -259,10 +266,9 @@ InputEvent AppWindow::make_event(InputKind kind) const {
   event.time_ns = read_clock_ns();
   Size window;
   glfwGetWindowSize(window_, &window.width, &window.height);
-  glfwGetCursorPos(window_, &event.x, &event.y);
   const Size pixels = framebuffer();
-  event.x *= static_cast<double>(pixels.width) / std::max(1, window.width);
-  event.y *= static_cast<double>(pixels.height) / std::max(1, window.height);
+  event.x = pointer_x_ * pixels.width / std::max(1, window.width);
+  event.y = pointer_y_ * pixels.height / std::max(1, window.height);
   return event;
 }
 

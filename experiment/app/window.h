@@ -75,6 +75,8 @@ class AppWindow {
   GLFWmonitor* monitor_ = nullptr;
   std::vector<InputEvent> events_;
   bool is_damaged_ = true;
+  double pointer_x_ = 0;  ///< window coordinates
+  double pointer_y_ = 0;
 };
 
 }  // namespace equilux
