@@ -58,6 +58,7 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
   while (!window.is_closing()) {
     if (!ask(window, gui, form, is_submitted)) continue;
     is_submitted = false;
+    form.takes_focus = true;
     try {
       return open_workplace(read_start_form(form, params), display, window);
     } catch (const InputError& error) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <imgui.h>
+#include <utility>
 
 #include "base/error.h"
 
@@ -85,6 +86,15 @@ void draw_field(const char* label, char* text, std::size_t size, bool takes_focu
   ImGui::InputText(fmt::format("##{}", label).c_str(), text, size);
 }
 
+void draw_choice(int& experiment) {
+  ImGui::TextUnformatted("Experiment");
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
+  ImGui::RadioButton("Artifacts (F1)", &experiment, 0);
+  ImGui::SameLine(0, 40);
+  ImGui::RadioButton("Material (F2)", &experiment, 1);
+  ImGui::PopStyleVar();
+}
+
 std::vector<std::string> list_instructions(Experiment experiment) {
   if (experiment == Experiment::kArtifact) {
     return {
@@ -125,15 +135,12 @@ AppParams read_start_form(const StartForm& form, const AppParams& params) {
 
 bool draw_start(const Gui& gui, Size framebuffer, StartForm& form) {
   const Page page(gui, framebuffer, "New session");
-  const bool is_first = ImGui::IsWindowAppearing();
-  const bool has_folder = form.folder[0] != '\0';
-  draw_field("Study folder", form.folder.data(), form.folder.size(), is_first && !has_folder);
-  ImGui::TextUnformatted("Experiment");
-  ImGui::RadioButton("Artifacts (F1)", &form.experiment, 0);
-  ImGui::SameLine(0, 40);
-  ImGui::RadioButton("Material (F2)", &form.experiment, 1);
+  const bool takes_focus = std::exchange(form.takes_focus, false);
+  const bool is_code_next = form.folder[0] != '\0' && form.participant[0] == '\0';
+  draw_field("Study folder", form.folder.data(), form.folder.size(), takes_focus && !is_code_next);
+  draw_choice(form.experiment);
   draw_field("Participant code (not a name)", form.participant.data(), form.participant.size(),
-             is_first && has_folder);
+             takes_focus && is_code_next);
   const bool is_pressed = page.press("Start (Enter)");
   if (!form.error.empty()) {
     ImGui::Spacing();
@@ -148,12 +155,16 @@ bool draw_instructions(const Gui& gui, Size framebuffer, const InstructionsText&
   ImGui::Indent(40);
   page.say(prompt_of(text.experiment));
   ImGui::Unindent(40);
-  page.say(
-      "Answer by clicking on one of the lower pictures, or with the keys ← for the left and → for the right "
-      "one.");
+  page.say(fmt::format(
+      "Answer by clicking on one of the two {}pictures, or with the keys ← for the left and → for "
+      "the right one.",
+      text.experiment == Experiment::kMaterial ? "lower " : ""));
   page.say(
       "There is no time limit. Where you are not sure, choose the one that seems more likely. An answer "
       "cannot be taken back.");
+  page.say(
+      "You may stop at any time: call the experimenter, who ends the session by holding Escape for two "
+      "seconds.");
   page.say(text.answered > 0 ? fmt::format("This session goes on where it stopped, after {} of {} answers.",
                                            text.answered, text.trial_count)
                              : fmt::format("There are {} questions.", text.trial_count));

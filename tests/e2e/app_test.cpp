@@ -121,14 +121,14 @@ TEST_F(AppTest, TheStartScreenAsksForWhatIsMissingAndSaysWhatIsWrong) {
   WatchedSession session(display, folder, kSmallPlan, {});
   session.wait_for_page("start");
   ASSERT_FALSE(HasFatalFailure());
-  display.type_text(folder.root.string());
+  display.type_key("Tab");
+  display.type_text("P_07-b");
   display.type_key("F2");
   display.type_key("Return");
   session.wait_for_error("start-error");
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
-  display.type_key("Tab");
-  display.type_text("P_07-b");
+  display.type_text(folder.root.string());  // the keyboard is in the empty field
   display.type_key("Return");
   const std::int64_t id = session.wait_for_session(Experiment::kMaterial);
   EXPECT_EQ(TrialLog(folder.responses()).load_sessions().back().participant, "P_07-b");
