@@ -17,12 +17,11 @@
 namespace equilux {
 namespace {
 
-constexpr Size kStartWindow{960, 760};
 constexpr double kPatienceS = 0.1;
 
 std::unique_ptr<AppWindow> open_window(const AppParams& params, const Display& display) {
   const Size screen = display.size();
-  Size size{std::min(kStartWindow.width, screen.width), std::min(kStartWindow.height, screen.height)};
+  Size size{std::min(kPageSize.width, screen.width), std::min(kPageSize.height, screen.height)};
   if (is_complete(params)) size = choose_window_size(params, display);
   return params.windowed ? std::make_unique<AppWindow>(display, size) : std::make_unique<AppWindow>(display);
 }

@@ -23,8 +23,11 @@ Size find_least_framebuffer(Size picture) {
 
 Size choose_window_size(Size picture, Size screen) {
   const Size least = find_least_framebuffer(picture);
-  return {std::max(least.width, std::min(least.width + 2 * kWindowMargin, screen.width)),
-          std::max(least.height, std::min(least.height + 2 * kWindowMargin, screen.height))};
+  const auto choose = [](int pictures, int page, int available) {
+    return std::max(pictures, std::min(std::max(pictures + 2 * kWindowMargin, page), available));
+  };
+  return {choose(least.width, kPageSize.width, screen.width),
+          choose(least.height, kPageSize.height, screen.height)};
 }
 
 Layout make_layout(Size framebuffer, Size picture, Experiment experiment) {

@@ -10,8 +10,7 @@ namespace equilux {
 inline constexpr int kPictureGap = 16;      ///< pixels between the two lower pictures
 inline constexpr int kQuestionHeight = 90;  ///< pixels between the upper picture and the lower two
 inline constexpr int kQuestionWidth = 720;  ///< pixels that the longer question needs on one line
-inline constexpr int kWindowMargin =
-    32;  ///< pixels of grey around the pictures in a window, where there is room
+inline constexpr int kWindowMargin = 32;    ///< pixels of grey around the pictures in a plain window
 
 /// units: pixels
 struct Size {
@@ -41,7 +40,11 @@ struct Layout {
 /// The smallest framebuffer in which three pictures of this size and the question have room.
 Size find_least_framebuffer(Size picture);
 
-/// The size of a window on a screen: the least framebuffer with a margin, as far as the screen allows.
+/// A plain window at least so large has room for every page of text.
+inline constexpr Size kPageSize{960, 760};
+
+/// The size of a plain window: the least framebuffer with a margin, and the pages of text, as far as the
+/// screen allows.
 Size choose_window_size(Size picture, Size screen);
 
 /// errors: InputError with both sizes for a framebuffer that is too small; pictures are never scaled.

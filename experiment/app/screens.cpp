@@ -31,7 +31,7 @@ std::string read_text(const std::array<char, n>& field) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// A column of text in the middle of the screen, beginning at a fifth of its height.
+// A column of text in the middle of the screen; it scrolls where it does not fit.
 class Page {
  public:
   Page(const Gui& gui, Size framebuffer, const std::string& title) {
@@ -41,7 +41,8 @@ class Page {
     ImGui::SetNextWindowPos(ImVec2(std::floor((static_cast<float>(framebuffer.width) - width) / 2), top));
     ImGui::SetNextWindowSize(ImVec2(width, static_cast<float>(framebuffer.height) - top - kPageMargin));
     ImGui::Begin("page", nullptr,
-                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
+                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
                      ImGuiWindowFlags_NoSavedSettings);
     ImGui::PushTextWrapPos(0);
     ImGui::PushFont(gui.title_font());

@@ -163,9 +163,9 @@ void show_stop(AppWindow& window, Gui& gui, const std::string& message) {
     gui.begin_frame();
     is_left = draw_message(gui, window.framebuffer(), "The session has stopped",
                            {"Please call the experimenter.", message,
-                            "Every answer before this one is recorded. Remove the cause, then start the same "
-                            "experiment with the "
-                            "same participant code: it goes on at the pair that was on the screen."},
+                            "What was recorded until now is safe. Remove the cause, then start the same "
+                            "experiment with the same "
+                            "participant code: it goes on at the first question without a recorded answer."},
                            "Close (Enter)");
     gui.end_frame();
     window.swap();
