@@ -1,15 +1,14 @@
 // The real program on a real X server: what is on the screen, and what becomes of clicks and keys.
-#include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <thread>
 
 #include "tests/e2e/small_study.h"
 #include "tests/e2e/watched_session.h"
+#include "tests/experiment/fake_study.h"
+#include "tests/experiment/raw_database.h"
 
 namespace equilux {
 namespace {
@@ -18,26 +17,33 @@ using testing::HasSubstr;
 
 // For a screen of 1280 x 1024. The block of three pictures and question is 510 or 930 pixels high, in the
 // middle.
-constexpr ScreenPlan kSmallPlan{280, 210, {352, 557}, {648, 557}, {500, 257}, 467, 557};
-constexpr ScreenPlan kPaperPlan{560, 420, {72, 557}, {648, 557}, {360, 47}, 467, 557};
+constexpr ScreenPlan kSmallPlan{280, 210, {352, 557}, {648, 557}, {500, 257}, 467, 557, {}};
+constexpr ScreenPlan kPaperPlan{560, 420, {72, 557}, {648, 557}, {360, 47}, 467, 557, {}};
 
 class AppTest : public testing::Test {
  protected:
-  AppTest() {
-    char name[] = "/tmp/equilux-app-XXXXXX";
-    root_ = ::mkdtemp(name);
-  }
-  ~AppTest() override { std::filesystem::remove_all(root_); }
-
   StudyFolder make_study(const ScreenPlan& plan) {
-    return make_small_study(root_ / "study", plan.picture_width, plan.picture_height);
+    return make_small_study(folder_.path() / "study", plan.picture_width, plan.picture_height);
   }
   static std::vector<std::string> arguments_for(const StudyFolder& folder, const std::string& experiment) {
     return {folder.root.string(), "--experiment", experiment, "--participant", "P01"};
   }
 
-  std::filesystem::path root_;
+  TemporaryFolder folder_;
 };
+
+// Showings of a trial in the log.
+int count_showings(const StudyFolder& folder, std::int64_t session, int trial) {
+  return std::stoi(RawDatabase(folder.responses())
+                       .value(fmt::format("SELECT count(*) FROM event WHERE session = {} AND trial = {} AND "
+                                          "kind = 'showing'",
+                                          session, trial)));
+}
+
+std::string last_abort(const StudyFolder& folder) {
+  return RawDatabase(folder.responses())
+      .value("SELECT detail FROM event WHERE kind = 'abort' ORDER BY id DESC LIMIT 1");
+}
 
 // Sides that do not depend on what is right.
 Side choose_side(int trial) { return trial % 3 == 0 ? Side::kRight : Side::kLeft; }
@@ -225,23 +231,38 @@ TEST_F(AppTest, AnUnknownMonitorIsRefusedWithTheNamesOfThoseThereAre) {
 
 TEST_F(AppTest, APlainWindowOfTheLayoutsSizeStandsInTheMiddleOfTheScreen) {
   const StudyFolder folder = make_study(kPaperPlan);
-  XDisplay display;
+  ScreenPlan plan = kPaperPlan;  // 1136 x 930 and a margin of 32 each way
+  plan.border = {(1280 - 1200) / 2, (1024 - 994) / 2};
   auto arguments = arguments_for(folder, "material");
   arguments.push_back("--windowed");
-  WatchedSession session(display, folder, kPaperPlan, arguments);
-  const std::int64_t id = session.wait_for_session(Experiment::kMaterial);
+  run_whole_session(folder, plan, Experiment::kMaterial, kSmallMaterialTrials, arguments);
   const ScreenRecord screen = TrialLog(folder.responses()).load_sessions().back().screen;
-  EXPECT_EQ(screen.framebuffer_width, 1136 + 64);
-  EXPECT_EQ(screen.framebuffer_height, 930 + 64);
-  const LdrImage picture = load_small_picture(folder, session.load_trials(id)[0].upper_key);
-  ASSERT_TRUE(wait_until([&] { return display.take_screenshot().values[(512 * 1280 + 50) * 3] == 128; }));
-  session.wait_for_session(Experiment::kMaterial);
-  ASSERT_TRUE(wait_until([&] {
-    display.type_key("space");
-    const LdrImage shot = display.take_screenshot();
-    const auto* row = shot.values.data() + (47 * 1280 + 360) * 3;
-    return std::equal(row, row + 560 * 3, picture.values.data());
-  })) << session.program().read_output();
+  EXPECT_EQ(screen.framebuffer_width, 1200);
+  EXPECT_EQ(screen.framebuffer_height, 994);
+}
+
+// The comparison itself: one step in one channel of one pixel, of a picture and of the grey.
+TEST_F(AppTest, AScreenWrongByOneStepInOnePixelIsNoticed) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  const TrialRow trial = session.load_trials(id)[0];
+  session.wait_for_trial(trial);
+  ASSERT_FALSE(HasFatalFailure());
+  const LdrImage right = display.take_screenshot();
+  ASSERT_FALSE(find_difference(right, folder, trial, kSmallPlan).has_value());
+  for (const auto& [x, y] : {ScreenPlace{352, 557}, ScreenPlace{927, 766}, ScreenPlace{640, 600}}) {
+    LdrImage wrong = right;
+    wrong.values[(static_cast<std::size_t>(y) * 1280 + static_cast<std::size_t>(x)) * 3 + 2] ^= 1;
+    EXPECT_TRUE(find_difference(wrong, folder, trial, kSmallPlan).has_value()) << x << ", " << y;
+  }
+  TrialRow swapped = trial;
+  std::swap(swapped.test_key, swapped.pair_key);
+  EXPECT_TRUE(find_difference(right, folder, swapped, kSmallPlan).has_value());
 }
 
 TEST_F(AppTest, AfterAKillTheSamePairIsShownAgainAndNoAnswerIsLost) {
@@ -259,6 +280,7 @@ TEST_F(AppTest, AfterAKillTheSamePairIsShownAgainAndNoAnswerIsLost) {
     answer_all(session, trials, 0, 3);
     session.wait_for_trial(trials[3]);
     ASSERT_FALSE(HasFatalFailure());
+    EXPECT_EQ(count_showings(folder, id, 3), 1);
     session.program().send_signal(SIGKILL);
     EXPECT_EQ(session.program().wait(), 128 + SIGKILL);
   }
@@ -269,6 +291,7 @@ TEST_F(AppTest, AfterAKillTheSamePairIsShownAgainAndNoAnswerIsLost) {
   EXPECT_EQ(session.count_answers(id), 3);
   display.type_key("space");
   session.wait_for_trial(trials[3]);
+  EXPECT_EQ(count_showings(folder, id, 3), 2);
   answer_all(session, trials, 3, kSmallArtifactTrials);
   session.wait_for_page("");
   display.type_key("Return");
@@ -301,6 +324,7 @@ TEST_F(AppTest, EscapeEndsTheSessionOnlyWhenItIsHeldAndTheSessionCanGoOn) {
     display.type_key("Return");
     EXPECT_EQ(session.program().wait(), 0);
     EXPECT_THAT(session.program().read_output(), HasSubstr("1 of 8 answers"));
+    EXPECT_EQ(last_abort(folder), "Escape was held");
   }
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
   session.wait_for_page("");
@@ -310,6 +334,7 @@ TEST_F(AppTest, EscapeEndsTheSessionOnlyWhenItIsHeldAndTheSessionCanGoOn) {
   ASSERT_FALSE(HasFatalFailure());
   display.close_windows();
   EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_EQ(last_abort(folder), "the window was closed");
   EXPECT_EQ(session.count_answers(id), 1);
 }
 

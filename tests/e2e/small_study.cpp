@@ -5,10 +5,9 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "base/random.h"
-#include "experiment/schedule.h"
 #include "stimuli/manifest.h"
 #include "stimuli/png_file.h"
-#include "stimuli/selection.h"
+#include "tests/experiment/fake_study.h"
 
 namespace equilux {
 namespace {
@@ -73,16 +72,6 @@ void save_small_manifest(const StudyFolder& folder, const Study& study) {
   save_manifest(manifest, folder.manifest());
 }
 
-void save_small_selection(const StudyFolder& folder, const Study& study) {
-  Selection selection;
-  selection.rule = "paper";
-  selection.study_digest = study.digest;
-  selection.answers_digest = digest_answers({});
-  for (const Column& column : enumerate_columns(study))
-    selection.columns.push_back({column, "cut", 5, {5, 7}});
-  save_selection(selection, folder.selection(SubjectKind::kPerson));
-}
-
 }  // namespace
 
 StudyFolder make_small_study(const std::filesystem::path& root, int width, int height) {
@@ -94,7 +83,7 @@ StudyFolder make_small_study(const std::filesystem::path& root, int width, int h
   save_text(folder.windows(), kWindows);
   const Study loaded = load_folder_study(folder);
   save_small_manifest(folder, loaded);
-  save_small_selection(folder, loaded);
+  save_fake_selection(folder, SubjectKind::kPerson, {5, 7});
   return folder;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "stimuli/png_file.h"
@@ -30,6 +31,10 @@ const std::uint8_t* pixel_of(const LdrImage& image, int x, int y) {
              3;
 }
 
+std::uint8_t* pixel_of(LdrImage& image, int x, int y) {
+  return const_cast<std::uint8_t*>(pixel_of(std::as_const(image), x, y));
+}
+
 std::string describe_pixel(const std::uint8_t* pixel) {
   return fmt::format("({}, {}, {})", pixel[0], pixel[1], pixel[2]);
 }
@@ -42,12 +47,15 @@ bool is_grey(const std::uint8_t* pixel) {
 LdrImage paint_trial(const LdrImage& screen, const StudyFolder& folder, const TrialRow& trial,
                      const ScreenPlan& plan) {
   LdrImage wanted(screen.width, screen.height);
-  std::fill(wanted.values.begin(), wanted.values.end(), kGrey);
+  for (int y = plan.border.y; y < screen.height - plan.border.y; ++y) {
+    std::fill_n(pixel_of(wanted, plan.border.x, y),
+                static_cast<std::size_t>(screen.width - 2 * plan.border.x) * 3, kGrey);
+  }
   const auto paint = [&](const std::string& key, ScreenPlace place) {
     const LdrImage picture = load_small_picture(folder, key);
     for (int y = 0; y < picture.height; ++y) {
       std::copy_n(pixel_of(picture, 0, y), static_cast<std::size_t>(picture.width) * 3,
-                  const_cast<std::uint8_t*>(pixel_of(wanted, place.x, place.y + y)));
+                  pixel_of(wanted, place.x, place.y + y));
     }
   };
   const bool test_left = trial.test_side == Side::kLeft;
@@ -59,17 +67,19 @@ LdrImage paint_trial(const LdrImage& screen, const StudyFolder& folder, const Tr
 
 bool has_question(const LdrImage& screen, const ScreenPlan& plan) {
   for (int y = plan.question_top; y < plan.question_bottom; ++y) {
-    for (int x = 0; x < screen.width; ++x) {
+    for (int x = plan.border.x; x < screen.width - plan.border.x; ++x) {
       if (!is_grey(pixel_of(screen, x, y))) return true;
     }
   }
   return false;
 }
 
-// Grey in its corners, with something on it.
+// Grey at its edges, with something black on it.
 bool is_page(const LdrImage& screen) {
+  constexpr int kEdge = 24;
   const int middle_x = screen.width / 2;
-  if (!is_grey(pixel_of(screen, middle_x, 8)) || !is_grey(pixel_of(screen, middle_x, screen.height - 8))) {
+  if (!is_grey(pixel_of(screen, middle_x, kEdge)) ||
+      !is_grey(pixel_of(screen, middle_x, screen.height - kEdge))) {
     return false;
   }
   return std::any_of(screen.values.begin(), screen.values.end(),

@@ -26,6 +26,7 @@ struct ScreenPlan {
   ScreenPlace left, right, upper;
   int question_top = 0;  ///< the text may be anywhere between these rows
   int question_bottom = 0;
+  ScreenPlace border;  ///< black pixels on each side of a window that does not fill the screen
 };
 
 /// What differs from what a trial must look like, or nothing.
