@@ -7,6 +7,7 @@
 #include <imgui.h>
 #include <imgui_impl_glfw.h>
 #include <imgui_impl_opengl3.h>
+#include <utility>
 
 namespace equilux {
 namespace {
@@ -104,6 +105,13 @@ void Gui::load_fonts() {
 
 void Gui::take(const std::vector<InputEvent>& events) {
   events_.insert(events_.end(), events.begin(), events.end());
+}
+
+void Gui::skip(const std::vector<InputEvent>& events) {
+  take(events);
+  for (const InputEvent& event : std::exchange(events_, {})) {
+    if (event.kind == InputKind::kKeyRelease || event.kind == InputKind::kMouseRelease) forward(event);
+  }
 }
 
 void Gui::forward(const InputEvent& event) {

@@ -21,6 +21,8 @@ class Gui {
 
   /// What the user did, for the controls of the next frames.
   void take(const std::vector<InputEvent>& events);
+  /// The same while no control is on the screen: only releases count, so that no key stays down for ever.
+  void skip(const std::vector<InputEvent>& events);
   /// True while events are left for a further frame: a key that goes down and up between two frames needs
   /// two.
   bool has_events() const { return !events_.empty(); }

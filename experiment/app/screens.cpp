@@ -100,10 +100,9 @@ std::vector<std::string> list_instructions(Experiment experiment) {
   if (experiment == Experiment::kArtifact) {
     return {
         "You will see pairs of pictures of an object in a room. In one of the two, the image of the object "
-        "has "
-        "artifacts: flaws of the image, such as bright spots or edges of light and shadow that do not belong "
-        "there. The two objects are of different materials and are seen from different sides; that does not "
-        "matter.",
+        "has artifacts: flaws of the image, such as bright spots or edges of light and shadow that do not "
+        "belong there. The two objects are of different materials and are seen from different sides; that "
+        "does not matter.",
         "For each pair the question is:"};
   }
   return {

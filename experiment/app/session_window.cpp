@@ -76,13 +76,17 @@ void SessionWindow::load_ahead(int trial) {
 void SessionWindow::ignore_early_input() {
   window_->wait(0);
   const auto events = window_->take_events();
-  gui_->take(events);
+  gui_->skip(events);
   for (const InputEvent& event : events) input_.read(event, Screen::kTrial);
 }
 
 void SessionWindow::read_input() {
   const auto events = window_->take_events();
-  gui_->take(events);
+  if (work_->open.session.screen == Screen::kTrial) {
+    gui_->skip(events);
+  } else {
+    gui_->take(events);
+  }
   for (const InputEvent& event : events) {
     if (is_over() && is_leaving(event)) is_left_ = true;
     if (const auto meaning = input_.read(event, work_->open.session.screen)) take(*meaning);

@@ -36,8 +36,7 @@ std::string describe_deviation(const std::optional<Degrees>& achieved, const Deg
   if (!achieved) {
     return fmt::format(
         "the size of this screen is not known, so the {:.1f} x {:.1f} degrees that the study wants at {:.0f} "
-        "cm "
-        "cannot be checked. Measure the screen and give its diagonal.",
+        "cm cannot be checked. Measure the screen and give its diagonal.",
         target.wide, target.high, 100 * viewing_distance_m);
   }
   const bool is_close = std::abs(achieved->wide - target.wide) <= kToleranceDegrees &&
