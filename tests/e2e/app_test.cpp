@@ -179,6 +179,24 @@ TEST_F(AppTest, AHeldKeyAnswersOnceAndMustBeLetGoBeforeTheNextAnswer) {
   EXPECT_EQ(session.load_trials(id)[1].answer, Side::kLeft);
 }
 
+TEST_F(AppTest, WhileAPairWaitsForItsAnswerTheProgramSleeps) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  const auto trials = session.load_trials(id);
+  answer_all(session, trials, 0, 4);
+  session.wait_for_trial(trials[4]);
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_TRUE(session.stays(trials[4]));  // the next pair has been loaded
+  const double before_s = session.program().read_cpu_seconds();
+  EXPECT_TRUE(session.stays(trials[4]));
+  EXPECT_LT(session.program().read_cpu_seconds() - before_s, 0.2);  // of at least 0.9
+}
+
 TEST_F(AppTest, AHeldButtonAnswersOnceAndClicksBesideThePicturesDoNot) {
   const StudyFolder folder = make_study(kSmallPlan);
   XDisplay display;

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <fcntl.h>
 #include <stdexcept>
 #include <sys/resource.h>
@@ -85,6 +86,15 @@ void ChildProcess::send_signal(int signal) const { ::kill(pid_, signal); }
 void ChildProcess::limit_file_size(std::size_t bytes) const {
   const rlimit limit{bytes, bytes};
   if (::prlimit(pid_, RLIMIT_FSIZE, &limit, nullptr) != 0) throw std::runtime_error("prlimit");
+}
+
+double ChildProcess::read_cpu_seconds() const {
+  clockid_t clock{};
+  timespec time{};
+  if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &time) != 0) {
+    throw std::runtime_error("clock_getcpuclockid");
+  }
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 bool ChildProcess::is_running() {

@@ -32,6 +32,8 @@ class ChildProcess {
   /// Lets no file of the child grow beyond this size from now on: a full disk.
   void limit_file_size(std::size_t bytes) const;
   bool is_running();
+  /// Processor time that it has used, all threads. units: s
+  double read_cpu_seconds() const;
   /// Exit code, 128 + signal, or nothing if it does not end in time.
   std::optional<int> wait();
   /// What it has written to standard output and standard error.
