@@ -1,0 +1,105 @@
+// From the start screen to the thanks.
+#include "experiment/app/app.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+#include "base/error.h"
+#include "base/program.h"
+#include "experiment/app/gui.h"
+#include "experiment/app/screens.h"
+#include "experiment/app/session_window.h"
+#include "experiment/app/window.h"
+#include "experiment/app/workplace.h"
+
+namespace equilux {
+namespace {
+
+constexpr double kPatienceS = 0.1;
+
+std::unique_ptr<AppWindow> open_window(const AppParams& params, const Display& display) {
+  const Size screen = display.size();
+  Size size{std::min(kPageSize.width, screen.width), std::min(kPageSize.height, screen.height)};
+  if (is_complete(params)) size = choose_window_size(params, display);
+  return params.windowed ? std::make_unique<AppWindow>(display, size) : std::make_unique<AppWindow>(display);
+}
+
+// What the keyboard does on the start screen beside typing; true for the key that submits.
+bool read_start_key(const InputEvent& event, StartForm& form) {
+  if (event.kind != InputKind::kKeyPress) return false;
+  if (event.key == Key::kF1) form.experiment = 0;
+  if (event.key == Key::kF2) form.experiment = 1;
+  return event.key == Key::kEnter;
+}
+
+// One frame of the start screen; true when all has been typed and is to be tried.
+bool ask(AppWindow& window, Gui& gui, StartForm& form, bool& is_submitted) {
+  window.clear();
+  gui.begin_frame();
+  is_submitted = draw_start(gui, window.framebuffer(), form) || is_submitted;
+  gui.end_frame();
+  window.swap();
+  if (is_submitted && !gui.has_events()) return true;
+  window.wait(gui.has_events() ? 0 : kPatienceS);
+  const auto events = window.take_events();
+  gui.take(events);
+  for (const InputEvent& event : events) is_submitted = read_start_key(event, form) || is_submitted;
+  return false;
+}
+
+// Empty if the window was closed. Errors stay on the screen until the next try.
+std::optional<Workplace> ask_for_workplace(const AppParams& params, const Display& display, AppWindow& window,
+                                           Gui& gui) {
+  StartForm form = make_start_form(params);
+  bool is_submitted = false;
+  while (!window.is_closing()) {
+    if (!ask(window, gui, form, is_submitted)) continue;
+    is_submitted = false;
+    form.takes_focus = true;
+    try {
+      return open_workplace(read_start_form(form, params), display, window);
+    } catch (const InputError& error) {
+      form.error = error.what();
+    } catch (const StoreError& error) {
+      form.error = error.what();
+    }
+  }
+  return std::nullopt;
+}
+
+void print_outcome(const Workplace& work) {
+  const Session& session = work.open.session;
+  const auto answered = std::count_if(session.trials.begin(), session.trials.end(),
+                                      [](const TrialRow& trial) { return trial.answer.has_value(); });
+  if (session.screen == Screen::kThanks) {
+    fmt::print("{} session of {} is complete: {} answers\n", format_experiment(session.experiment),
+               work.open.row.participant, answered);
+  } else {
+    fmt::print("{} session of {} was ended early: {} of {} answers; the same command goes on with it\n",
+               format_experiment(session.experiment), work.open.row.participant, answered,
+               session.trials.size());
+  }
+}
+
+}  // namespace
+
+int run_app(const AppParams& params) {
+  const Display display(params.monitor);
+  const auto window = open_window(params, display);
+  Gui gui(*window);
+  auto work = is_complete(params) ? std::optional(open_workplace(params, display, *window))
+                                  : ask_for_workplace(params, display, *window, gui);
+  if (!work) return kExitOk;
+  try {
+    SessionWindow(*window, gui, *work).run();
+  } catch (const std::exception& error) {
+    show_stop(*window, gui, error.what());
+    throw;
+  }
+  print_outcome(*work);
+  return kExitOk;
+}
+
+}  // namespace equilux

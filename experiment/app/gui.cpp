@@ -1,0 +1,156 @@
+// Fonts, colours and input of Dear ImGui 1.86.
+#include "experiment/app/gui.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <fmt/format.h>
+#include <imgui.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_opengl3.h>
+#include <utility>
+
+namespace equilux {
+namespace {
+
+constexpr const char* kFontPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr float kTextPixels = 22;
+constexpr float kTitlePixels = 32;
+// Latin, general punctuation, arrows.
+constexpr ImWchar kGlyphs[] = {0x0020, 0x024F, 0x2010, 0x205E, 0x2190, 0x21FF, 0};
+
+// Black on grey 128 has a contrast of 5.3 to 1, white on it 3.9.
+void set_colours(ImGuiStyle& style) {
+  const ImVec4 black(0, 0, 0, 1);
+  const ImVec4 white(0.97F, 0.97F, 0.97F, 1);
+  const ImVec4 light(0.86F, 0.86F, 0.86F, 1);
+  const ImVec4 pale(0.78F, 0.78F, 0.78F, 1);
+  const ImVec4 clear(0, 0, 0, 0);
+  ImVec4* colours = style.Colors;
+  colours[ImGuiCol_Text] = black;
+  colours[ImGuiCol_WindowBg] = clear;
+  colours[ImGuiCol_ChildBg] = light;
+  colours[ImGuiCol_Border] = black;
+  colours[ImGuiCol_FrameBg] = white;
+  colours[ImGuiCol_FrameBgHovered] = white;
+  colours[ImGuiCol_FrameBgActive] = white;
+  colours[ImGuiCol_CheckMark] = black;
+  colours[ImGuiCol_Button] = light;
+  colours[ImGuiCol_ButtonHovered] = white;
+  colours[ImGuiCol_ButtonActive] = pale;
+  colours[ImGuiCol_TextSelectedBg] = ImVec4(0.65F, 0.75F, 0.95F, 1);
+  colours[ImGuiCol_NavHighlight] = black;
+  colours[ImGuiCol_ScrollbarBg] = clear;
+  colours[ImGuiCol_ScrollbarGrab] = pale;
+}
+
+void set_style() {
+  ImGui::StyleColorsLight();
+  ImGuiStyle& style = ImGui::GetStyle();
+  set_colours(style);
+  style.WindowBorderSize = 0;
+  style.WindowPadding = ImVec2(0, 0);
+  style.FrameBorderSize = 1;
+  style.FrameRounding = 3;
+  style.FramePadding = ImVec2(12, 8);
+  style.ItemSpacing = ImVec2(12, 12);
+  style.ChildRounding = 3;
+}
+
+bool is_text_key(const InputEvent& event) { return event.code >= 32 && event.code < 127; }
+
+bool is_key(const InputEvent& event) {
+  return event.kind == InputKind::kKeyPress || event.kind == InputKind::kKeyRelease ||
+         event.kind == InputKind::kKeyRepeat;
+}
+
+}  // namespace
+
+Gui::Gui(AppWindow& window) : window_(&window) {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.LogFilename = nullptr;
+  io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
+  set_style();
+  load_fonts();
+  ImGui_ImplGlfw_InitForOpenGL(window.handle(), false);
+  // Without a window manager no focus is reported; the pointer is ours nevertheless.
+  ImGui_ImplGlfw_CursorEnterCallback(window.handle(), 1);
+  ImGui_ImplOpenGL3_Init("#version 330 core");
+}
+
+Gui::~Gui() {
+  ImGui_ImplOpenGL3_Shutdown();
+  ImGui_ImplGlfw_Shutdown();
+  ImGui::DestroyContext();
+}
+
+void Gui::load_fonts() {
+  ImFontAtlas* fonts = ImGui::GetIO().Fonts;
+  if (std::filesystem::exists(kFontPath)) {
+    text_font_ = fonts->AddFontFromFileTTF(kFontPath, kTextPixels, nullptr, kGlyphs);
+    title_font_ = fonts->AddFontFromFileTTF(kFontPath, kTitlePixels, nullptr, kGlyphs);
+  }
+  if (text_font_ && title_font_) return;
+  fmt::print(stderr,
+             "equilux-session: {} is missing (package fonts-dejavu-core); text is shown in a plain font\n",
+             kFontPath);
+  ImFontConfig config;
+  config.SizePixels = kTextPixels;
+  text_font_ = fonts->AddFontDefault(&config);
+  config.SizePixels = kTitlePixels;
+  title_font_ = fonts->AddFontDefault(&config);
+}
+
+void Gui::take(const std::vector<InputEvent>& events) {
+  events_.insert(events_.end(), events.begin(), events.end());
+}
+
+void Gui::skip(const std::vector<InputEvent>& events) {
+  take(events);
+  for (const InputEvent& event : std::exchange(events_, {})) {
+    if (event.kind == InputKind::kKeyRelease || event.kind == InputKind::kMouseRelease) forward(event);
+  }
+}
+
+void Gui::forward(const InputEvent& event) {
+  GLFWwindow* handle = window_->handle();
+  switch (event.kind) {
+    case InputKind::kKeyPress:
+      return ImGui_ImplGlfw_KeyCallback(handle, event.code, event.scancode, 1, event.modifiers);
+    case InputKind::kKeyRelease:
+      return ImGui_ImplGlfw_KeyCallback(handle, event.code, event.scancode, 0, event.modifiers);
+    case InputKind::kMousePress:
+      return ImGui_ImplGlfw_MouseButtonCallback(handle, event.code, 1, event.modifiers);
+    case InputKind::kMouseRelease:
+      return ImGui_ImplGlfw_MouseButtonCallback(handle, event.code, 0, event.modifiers);
+    case InputKind::kCharacter:
+      return ImGui_ImplGlfw_CharCallback(handle, static_cast<unsigned>(event.code));
+    case InputKind::kScroll:
+      return ImGui_ImplGlfw_ScrollCallback(handle, event.x, event.y);
+    case InputKind::kKeyRepeat:  // ImGui repeats held keys by itself
+      break;
+  }
+}
+
+// ImGui 1.86 looks at keys once a frame, so that it would miss a Tab that goes down and up between two.
+void Gui::begin_frame() {
+  while (!events_.empty()) {
+    const InputEvent event = events_.front();
+    events_.pop_front();
+    forward(event);
+    const bool is_click = event.kind == InputKind::kMousePress;
+    if (is_click || (is_key(event) && !is_text_key(event))) break;
+  }
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Gui::end_frame() {
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+}  // namespace equilux

@@ -1,0 +1,47 @@
+// Dear ImGui, set up for plain pages of text and forms on the neutral grey.
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "experiment/app/window.h"
+
+struct ImFont;
+
+namespace equilux {
+
+/// One for each window. Writes no settings file.
+class Gui {
+ public:
+  explicit Gui(AppWindow& window);
+  ~Gui();
+  Gui(const Gui&) = delete;
+  Gui& operator=(const Gui&) = delete;
+
+  /// What the user did, for the controls of the next frames.
+  void take(const std::vector<InputEvent>& events);
+  /// The same while no control is on the screen: only releases count, so that no key stays down for ever.
+  void skip(const std::vector<InputEvent>& events);
+  /// True while events are left for a further frame: a key that goes down and up between two frames needs
+  /// two.
+  bool has_events() const { return !events_.empty(); }
+
+  void begin_frame();
+  /// Draws what was laid out since begin_frame over the back buffer.
+  void end_frame();
+
+  ImFont* text_font() const { return text_font_; }
+  ImFont* title_font() const { return title_font_; }
+
+ private:
+  void load_fonts();
+  void forward(const InputEvent& event);
+
+  AppWindow* window_;
+  std::deque<InputEvent> events_;
+  ImFont* text_font_ = nullptr;
+  ImFont* title_font_ = nullptr;
+};
+
+}  // namespace equilux

@@ -1,0 +1,35 @@
+// The pictures of a trial, checked against the manifest before they are shown.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/app/texture.h"
+#include "experiment/trial_log.h"
+#include "stimuli/manifest.h"
+#include "stimuli/study_folder.h"
+
+namespace equilux {
+
+/// Checks that the files of these pictures are those of the manifest, so that a session does not break off in
+/// its middle. errors: InputError
+void check_pictures(const StudyFolder& folder, const Manifest& manifest,
+                    const std::vector<std::string>& keys);
+
+/// errors: InputError for a picture that is not in the manifest, has another digest or another size.
+LdrImage load_picture(const StudyFolder& folder, const Manifest& manifest, const std::string& key);
+
+/// A trial's pictures, ready to be drawn.
+struct TrialPictures {
+  Texture left;
+  Texture right;
+  std::optional<Texture> upper;
+};
+
+TrialPictures load_trial_pictures(const StudyFolder& folder, const Manifest& manifest, const TrialRow& trial);
+
+/// Draws them at their places in the back buffer.
+void draw_pictures(const TrialPictures& pictures, const Layout& layout);
+
+}  // namespace equilux

@@ -1,0 +1,82 @@
+// The one file pair that knows GLFW: a monitor, a window with its GL context, and what the user did.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "experiment/app/input.h"
+
+struct GLFWmonitor;
+struct GLFWwindow;
+
+namespace equilux {
+
+/// Now on the monotonic clock of all session times. units: ns
+std::int64_t read_clock_ns();
+
+/// The window system and the monitor chosen.
+class Display {
+ public:
+  /// `monitor` is a name; empty: the primary one. errors: InputError without a display, or for a name that no
+  /// monitor has, listing those there are.
+  explicit Display(const std::string& monitor);
+  ~Display();
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+
+  std::string monitor_name() const;
+  Size size() const;         ///< of the current video mode; units: pixels
+  Size reported_mm() const;  ///< as the system says; 0 where it does not know
+  GLFWmonitor* monitor() const { return monitor_; }
+
+ private:
+  GLFWmonitor* monitor_ = nullptr;
+};
+
+/// A window with a GL 3.3 context, current on this thread: 8 bits a channel, no multisampling, no sRGB
+/// conversion, no dithering.
+class AppWindow {
+ public:
+  /// Fills the monitor in its current video mode. errors: InputError if the framebuffer got is another size.
+  explicit AppWindow(const Display& display);
+  /// A plain window of this size in the middle of the monitor, without border.
+  AppWindow(const Display& display, Size size);
+  ~AppWindow();
+  AppWindow(const AppWindow&) = delete;
+  AppWindow& operator=(const AppWindow&) = delete;
+
+  /// Makes a plain window another size. errors: InputError if it does not become so.
+  void resize(Size size);
+  Size framebuffer() const;
+
+  /// Waits for input for at most `seconds`, then collects it; 0 collects without waiting.
+  void wait(double seconds);
+  /// What was collected, in order; each once.
+  std::vector<InputEvent> take_events();
+  /// True once after the window system lost part of the picture.
+  bool take_damage();
+  bool is_closing() const;
+
+  /// Fills the back buffer with the neutral grey, 128 of 255.
+  void clear();
+  /// Shows the back buffer; returns when that is done.
+  void swap();
+
+  GLFWwindow* handle() const { return window_; }
+
+ private:
+  struct Callbacks;
+  void open(const Display& display, Size size, bool fills_monitor);
+  void check_framebuffer(Size wanted);
+  InputEvent make_event(InputKind kind) const;
+
+  GLFWwindow* window_ = nullptr;
+  GLFWmonitor* monitor_ = nullptr;
+  std::vector<InputEvent> events_;
+  bool is_damaged_ = true;
+  double pointer_x_ = 0;  ///< window coordinates
+  double pointer_y_ = 0;
+};
+
+}  // namespace equilux

@@ -1,0 +1,74 @@
+// equilux-session on a display of its own, watched through the X server and the log.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/trial_log.h"
+#include "stimuli/study_folder.h"
+#include "tests/e2e/child_process.h"
+#include "tests/e2e/x_display.h"
+
+namespace equilux {
+
+/// Where a picture must stand. units: pixels of the screen
+struct ScreenPlace {
+  int x = 0;
+  int y = 0;
+};
+
+/// Places for one size of picture, worked out by hand for the test's screen.
+struct ScreenPlan {
+  int picture_width = 0;
+  int picture_height = 0;
+  ScreenPlace left, right, upper;
+  int question_top = 0;  ///< the text may be anywhere between these rows
+  int question_bottom = 0;
+  ScreenPlace border;  ///< black pixels on each side of a window that does not fill the screen
+};
+
+/// What differs from what a trial must look like, or nothing.
+std::optional<std::string> find_difference(const LdrImage& screen, const StudyFolder& folder,
+                                           const TrialRow& trial, const ScreenPlan& plan);
+
+class WatchedSession {
+ public:
+  /// Starts `equilux-session run` with these arguments.
+  WatchedSession(XDisplay& display, const StudyFolder& folder, const ScreenPlan& plan,
+                 const std::vector<std::string>& arguments);
+
+  ChildProcess& program() { return program_; }
+
+  /// Each waits until its screen is there, with a test failure if it does not come; then a picture of it is
+  /// kept as NAME.png if EQUILUX_SCREENSHOTS names a folder.
+  void wait_for_page(const std::string& name);
+  /// A page with the panel of an error.
+  void wait_for_error(const std::string& name);
+  void wait_for_trial(const TrialRow& trial, const std::string& name = "");
+  /// Waits until the log has a session of this experiment, and gives its id.
+  std::int64_t wait_for_session(Experiment experiment);
+
+  bool is_showing(const TrialRow& trial) const;
+  /// Lets the program do what it should not, for a while; true if the trial is still shown then.
+  bool stays(const TrialRow& trial) const;
+
+  void answer_by_key(Side side);
+  void answer_by_click(Side side);
+
+  std::vector<TrialRow> load_trials(std::int64_t session) const;
+  int count_answers(std::int64_t session) const;
+
+ private:
+  void wait_for(const std::string& name, const std::function<bool(const LdrImage&)>& is_wanted);
+  void keep(const std::string& name) const;
+
+  XDisplay* display_;
+  StudyFolder folder_;
+  ScreenPlan plan_;
+  std::optional<LdrImage> last_screen_;
+  ChildProcess program_;
+};
+
+}  // namespace equilux

@@ -1,0 +1,137 @@
+// The one file of the tests that knows Xlib.
+#include "tests/e2e/x_display.h"
+
+#include <X11/XKBlib.h>
+#include <X11/Xlib.h>
+#include <X11/Xutil.h>
+#include <X11/extensions/XTest.h>
+#include <X11/keysym.h>
+#include <fmt/format.h>
+#include <stdexcept>
+
+namespace equilux {
+
+struct XDisplay::Connection {
+  explicit Connection(const std::string& name) : display(XOpenDisplay(name.c_str())) {
+    if (!display) throw std::runtime_error("cannot open the display " + name);
+  }
+  ~Connection() { XCloseDisplay(display); }
+
+  KeyCode code_of(KeySym symbol) const {
+    const KeyCode code = XKeysymToKeycode(display, symbol);
+    if (code == 0) throw std::runtime_error(fmt::format("no key for {:#x}", symbol));
+    return code;
+  }
+  void send_key(KeyCode code, bool is_down) const {
+    XTestFakeKeyEvent(display, code, is_down ? True : False, CurrentTime);
+    XSync(display, False);
+  }
+
+  ::Display* display;
+};
+
+XDisplay::XDisplay(int width, int height) : width_(width), height_(height) {
+  std::string number;
+  server_ =
+      std::make_unique<ChildProcess>(std::vector<std::string>{"Xvfb", "-displayfd", "3", "-screen", "0",
+                                                              fmt::format("{}x{}x24", width, height), "-dpi",
+                                                              "96", "-nolisten", "tcp", "-noreset"},
+                                     std::map<std::string, std::string>{}, &number);
+  if (number.empty()) throw std::runtime_error("Xvfb did not start: " + server_->read_output());
+  name_ = ":" + number;
+  connection_ = std::make_unique<Connection>(name_);
+  move_pointer(2, 2);
+}
+
+XDisplay::~XDisplay() = default;
+
+void XDisplay::press_key(const std::string& key) {
+  connection_->send_key(connection_->code_of(XStringToKeysym(key.c_str())), true);
+}
+
+void XDisplay::release_key(const std::string& key) {
+  connection_->send_key(connection_->code_of(XStringToKeysym(key.c_str())), false);
+}
+
+void XDisplay::type_key(const std::string& key) {
+  press_key(key);
+  release_key(key);
+}
+
+void XDisplay::type_text(const std::string& text) {
+  for (const char character : text) {
+    const auto symbol = static_cast<KeySym>(static_cast<unsigned char>(character));
+    const KeyCode code = connection_->code_of(symbol);
+    const bool is_shifted = XkbKeycodeToKeysym(connection_->display, code, 0, 0) != symbol;
+    if (is_shifted) press_key("Shift_L");
+    connection_->send_key(code, true);
+    connection_->send_key(code, false);
+    if (is_shifted) release_key("Shift_L");
+  }
+}
+
+void XDisplay::move_pointer(int x, int y) {
+  XTestFakeMotionEvent(connection_->display, 0, x, y, CurrentTime);
+  XSync(connection_->display, False);
+}
+
+void XDisplay::press_button(int button) {
+  XTestFakeButtonEvent(connection_->display, static_cast<unsigned>(button), True, CurrentTime);
+  XSync(connection_->display, False);
+}
+
+void XDisplay::release_button(int button) {
+  XTestFakeButtonEvent(connection_->display, static_cast<unsigned>(button), False, CurrentTime);
+  XSync(connection_->display, False);
+}
+
+void XDisplay::click(int x, int y) {
+  move_pointer(x, y);
+  press_button();
+  release_button();
+}
+
+void XDisplay::close_windows() {
+  ::Display* display = connection_->display;
+  const Atom close = XInternAtom(display, "WM_DELETE_WINDOW", False);
+  ::Window root = 0;
+  ::Window parent = 0;
+  ::Window* children = nullptr;
+  unsigned count = 0;
+  XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
+  for (unsigned i = 0; i < count; ++i) {
+    XEvent event{};
+    event.xclient.type = ClientMessage;
+    event.xclient.window = children[i];
+    event.xclient.message_type = XInternAtom(display, "WM_PROTOCOLS", False);
+    event.xclient.format = 32;
+    event.xclient.data.l[0] = static_cast<long>(close);
+    XSendEvent(display, children[i], False, NoEventMask, &event);
+  }
+  if (children) XFree(children);
+  XSync(display, False);
+}
+
+LdrImage XDisplay::take_screenshot() const {
+  ::Display* display = connection_->display;
+  XImage* picture = XGetImage(display, DefaultRootWindow(display), 0, 0, static_cast<unsigned>(width_),
+                              static_cast<unsigned>(height_), AllPlanes, ZPixmap);
+  if (!picture || picture->bits_per_pixel != 32 || picture->byte_order != LSBFirst ||
+      picture->red_mask != 0xFF0000 || picture->blue_mask != 0xFF) {
+    throw std::runtime_error("a screen of 24 bits is expected");
+  }
+  LdrImage image(width_, height_);
+  std::uint8_t* target = image.values.data();
+  for (int y = 0; y < height_; ++y) {
+    const auto* source = reinterpret_cast<const std::uint8_t*>(picture->data) + y * picture->bytes_per_line;
+    for (int x = 0; x < width_; ++x, source += 4, target += 3) {
+      target[0] = source[2];
+      target[1] = source[1];
+      target[2] = source[0];
+    }
+  }
+  XDestroyImage(picture);
+  return image;
+}
+
+}  // namespace equilux

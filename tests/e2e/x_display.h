@@ -1,0 +1,49 @@
+// An X server of a test's own, with hands and eyes: input by XTEST, pictures from the server.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "stimuli/image.h"
+#include "tests/e2e/child_process.h"
+
+namespace equilux {
+
+/// Xvfb on a free display, without a window manager.
+class XDisplay {
+ public:
+  explicit XDisplay(int width = 1280, int height = 1024);
+  ~XDisplay();
+
+  /// As for DISPLAY.
+  std::string name() const { return name_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// Keys by their X names: Left, space, Return, Escape.
+  void press_key(const std::string& key);
+  void release_key(const std::string& key);
+  void type_key(const std::string& key);
+  /// ASCII, on the keyboard that Xvfb has.
+  void type_text(const std::string& text);
+
+  void move_pointer(int x, int y);
+  void press_button(int button = 1);
+  void release_button(int button = 1);
+  void click(int x, int y);
+
+  /// Asks every window to close, as the button of a window manager does.
+  void close_windows();
+
+  LdrImage take_screenshot() const;
+
+ private:
+  struct Connection;
+  int width_;
+  int height_;
+  std::string name_;
+  std::unique_ptr<ChildProcess> server_;
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace equilux

@@ -1,0 +1,113 @@
+// Held keys, early presses and long holds, without a window.
+#include "experiment/app/input.h"
+
+#include <gtest/gtest.h>
+
+namespace equilux {
+namespace {
+
+InputEvent key(InputKind kind, Key name, std::int64_t time_ns) {
+  InputEvent event;
+  event.kind = kind;
+  event.key = name;
+  event.time_ns = time_ns;
+  return event;
+}
+InputEvent press(Key name, std::int64_t time_ns) { return key(InputKind::kKeyPress, name, time_ns); }
+InputEvent release(Key name, std::int64_t time_ns) { return key(InputKind::kKeyRelease, name, time_ns); }
+InputEvent mouse(InputKind kind, double x, std::int64_t time_ns, int button = kAnswerButton) {
+  InputEvent event;
+  event.kind = kind;
+  event.x = x;
+  event.y = 600;
+  event.code = button;
+  event.time_ns = time_ns;
+  return event;
+}
+
+class InputTest : public testing::Test {
+ protected:
+  std::optional<Side> read(const InputEvent& event) {
+    const auto meaning = input_.read(event, Screen::kTrial);
+    if (!meaning) return std::nullopt;
+    const auto* answer = std::get_if<AnswerEvent>(&*meaning);
+    EXPECT_NE(answer, nullptr);
+    EXPECT_EQ(answer->time_ns, event.time_ns);
+    return answer->side;
+  }
+
+  SubjectInput input_{make_layout({1136, 930}, {560, 420}, Experiment::kArtifact)};
+};
+
+TEST_F(InputTest, AKeyOrAClickAnswersItsSide) {
+  input_.open(100);
+  EXPECT_EQ(read(press(Key::kLeft, 101)), Side::kLeft);
+  read(release(Key::kLeft, 102));
+  input_.open(200);
+  EXPECT_EQ(read(press(Key::kRight, 201)), Side::kRight);
+  read(release(Key::kRight, 202));
+  input_.open(300);
+  EXPECT_EQ(read(mouse(InputKind::kMousePress, 100, 301)), Side::kLeft);
+  read(mouse(InputKind::kMouseRelease, 100, 302));
+  input_.open(400);
+  EXPECT_EQ(read(mouse(InputKind::kMousePress, 700, 401)), Side::kRight);
+}
+
+TEST_F(InputTest, NothingIsAnAnswerBeforeTheOnsetOrTwice) {
+  EXPECT_EQ(read(press(Key::kLeft, 50)), std::nullopt);
+  read(release(Key::kLeft, 60));
+  input_.open(100);
+  EXPECT_EQ(read(press(Key::kLeft, 99)), std::nullopt);  // read late, pressed early
+  read(release(Key::kLeft, 101));
+  EXPECT_EQ(read(press(Key::kLeft, 102)), Side::kLeft);
+  read(release(Key::kLeft, 103));
+  EXPECT_EQ(read(press(Key::kLeft, 104)), std::nullopt);
+}
+
+TEST_F(InputTest, WhatIsHeldFromBeforeMustBeLetGoFirst) {
+  read(press(Key::kLeft, 50));
+  input_.open(100);
+  EXPECT_EQ(read(key(InputKind::kKeyRepeat, Key::kLeft, 150)), std::nullopt);
+  EXPECT_EQ(read(press(Key::kRight, 160)), std::nullopt);
+  EXPECT_EQ(read(mouse(InputKind::kMousePress, 100, 170)), std::nullopt);
+  read(release(Key::kLeft, 180));
+  read(release(Key::kRight, 181));
+  EXPECT_EQ(read(press(Key::kLeft, 182)), std::nullopt);  // the button is still down
+  read(release(Key::kLeft, 183));
+  read(mouse(InputKind::kMouseRelease, 100, 184));
+  EXPECT_EQ(read(press(Key::kLeft, 185)), Side::kLeft);
+}
+
+TEST_F(InputTest, ClicksBesideThePicturesOrWithOtherButtonsAreNoAnswers) {
+  input_.open(100);
+  EXPECT_EQ(read(mouse(InputKind::kMousePress, 568, 110)), std::nullopt);
+  read(mouse(InputKind::kMouseRelease, 568, 111));
+  EXPECT_EQ(read(mouse(InputKind::kMousePress, 100, 112, 1)), std::nullopt);
+  read(mouse(InputKind::kMouseRelease, 100, 113, 1));
+  EXPECT_EQ(read(mouse(InputKind::kMousePress, 100, 114)), Side::kLeft);
+}
+
+TEST_F(InputTest, SpaceAndEnterLeaveOnlyTheInstructions) {
+  for (const Key name : {Key::kSpace, Key::kEnter}) {
+    const auto meaning = input_.read(press(name, 10), Screen::kInstructions);
+    ASSERT_TRUE(meaning.has_value());
+    EXPECT_TRUE(std::holds_alternative<ContinueEvent>(*meaning));
+    EXPECT_FALSE(input_.read(key(InputKind::kKeyRepeat, name, 11), Screen::kInstructions).has_value());
+    EXPECT_FALSE(input_.read(press(name, 12), Screen::kTrial).has_value());
+  }
+}
+
+TEST_F(InputTest, EscapeMustBeHeldForTwoSecondsOnEnd) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  EXPECT_FALSE(input_.find_abort(100 * kSecond).has_value());
+  read(press(Key::kEscape, kSecond));
+  EXPECT_FALSE(input_.find_abort(3 * kSecond - 1).has_value());
+  EXPECT_TRUE(input_.find_abort(3 * kSecond).has_value());
+  read(release(Key::kEscape, 3 * kSecond));
+  EXPECT_FALSE(input_.find_abort(4 * kSecond).has_value());
+  read(press(Key::kEscape, 4 * kSecond));
+  EXPECT_FALSE(input_.find_abort(5 * kSecond).has_value());
+}
+
+}  // namespace
+}  // namespace equilux
