@@ -34,7 +34,7 @@ struct Draw {
   std::uint64_t index;
 
   RandomStream shared(std::string_view what, std::uint64_t number) const {
-    return {study.seed, hash_name(stream_name(experiment, kind, what)), number};
+    return {study.seed, stream_name(experiment, kind, what), number};
   }
 };
 
