@@ -3,6 +3,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fstream>
+#include <limits>
 
 #include "base/error.h"
 #include "stimuli/mesh.h"
@@ -17,6 +18,25 @@ bool is_degenerate(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>&
   const Vec3 b = mesh.positions[triangle[1]];
   const Vec3 c = mesh.positions[triangle[2]];
   return !spans_area(b - a, c - a);
+}
+
+// A vertex of dropped triangles alone must not count in the mesh's box, nor as its lowest point.
+TriangleMesh without_unused_vertices(const TriangleMesh& mesh) {
+  constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> new_index(mesh.positions.size(), kUnused);
+  TriangleMesh kept;
+  for (auto triangle : mesh.triangles) {
+    for (std::uint32_t& vertex : triangle) {
+      if (new_index[vertex] == kUnused) {
+        new_index[vertex] = static_cast<std::uint32_t>(kept.positions.size());
+        kept.positions.push_back(mesh.positions[vertex]);
+        kept.normals.push_back(mesh.normals[vertex]);
+      }
+      vertex = new_index[vertex];
+    }
+    kept.triangles.push_back(triangle);
+  }
+  return kept;
 }
 
 TriangleMesh to_mesh(const aiMesh& part, MeshRepairs& repairs) {
@@ -38,7 +58,7 @@ TriangleMesh to_mesh(const aiMesh& part, MeshRepairs& repairs) {
       mesh.triangles.push_back(triangle);
     }
   }
-  return mesh;
+  return repairs.degenerate_triangles > 0 ? without_unused_vertices(mesh) : mesh;
 }
 
 // What assimp's later steps take on trust: joining vertices merges a NaN with whatever it meets, and reads

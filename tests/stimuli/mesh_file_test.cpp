@@ -81,6 +81,15 @@ TEST(MeshFiles, WithDegenerateFacesLeaveThemOutAndCountThem) {
   EXPECT_EQ(repairs.degenerate_triangles, 3u);
 }
 
+TEST(MeshFiles, WithAVertexOfDegenerateFacesAloneLeaveItOut) {
+  const TempFolder folder;
+  const auto path = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -9\nf 1 2 3\nf 4 4 1\n");
+  const TriangleMesh mesh = load_mesh(path);
+  EXPECT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
+  for (Vec3 p : mesh.positions) EXPECT_EQ(p.z, 0) << "or the object would hang above its stand";
+}
+
 TEST(MeshFiles, WithThreeCornersInALineLeaveThemOut) {
   const TempFolder folder;
   const auto path =
