@@ -66,12 +66,11 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool start_array(std::size_t) override { return open(Json(Json::Array{})); }
   bool end_array() override { return close(); }
   bool key(string_t& name) override {
+    open_.back().key = name.size() > kMaxStringBytes ? name.substr(0, 60) : name;
     check_length(name);
     if (!open_.back().keys.insert(name).second) {
-      throw InputError(source_, fmt::format("{}/{}", pointer(), escape_pointer(name)),
-                       "each member name once in an object", "a second one");
+      throw InputError(source_, pointer(), "each member name once in an object", "a second one");
     }
-    open_.back().key = name;
     return true;
   }
   bool parse_error(std::size_t position, const std::string& token,

@@ -4,9 +4,11 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -76,15 +78,38 @@ ExrFile read_exr(const std::filesystem::path& path) {
   return file;
 }
 
-void write_exr(HdrImage image, const ExrMetadata& metadata, const std::filesystem::path& path) {
+// A file in memory: OpenEXR's own file streams lose the errors of the last bytes, which are written in a
+// destructor.
+class MemoryStream : public Imf::OStream {
+ public:
+  MemoryStream() : Imf::OStream("memory") {}
+  void write(const char bytes[], int count) override {
+    bytes_.resize(std::max(bytes_.size(), place_ + static_cast<std::size_t>(count)));
+    std::copy_n(bytes, count, bytes_.begin() + static_cast<std::ptrdiff_t>(place_));
+    place_ += static_cast<std::size_t>(count);
+  }
+  std::uint64_t tellp() override { return place_; }
+  void seekp(std::uint64_t place) override { place_ = place; }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+  std::size_t place_ = 0;
+};
+
+std::string encode_exr(HdrImage image, const ExrMetadata& metadata) {
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const char* name : channel_names(image.channels))
     header.channels().insert(name, Imf::Channel(Imf::FLOAT));
   for (const auto& [name, value] : metadata) header.insert(name, Imf::StringAttribute(value));
-  Imf::OutputFile output(path.c_str(), header, 0);
-  output.setFrameBuffer(make_frame_buffer(image, {0, 0}));
-  output.writePixels(image.height);
+  MemoryStream stream;
+  {
+    Imf::OutputFile output(stream, header, 0);
+    output.setFrameBuffer(make_frame_buffer(image, {0, 0}));
+    output.writePixels(image.height);
+  }
+  return stream.take();
 }
 
 }  // namespace
@@ -103,14 +128,7 @@ ExrFile load_exr(const std::filesystem::path& path) {
 
 void save_exr(const HdrImage& image, const ExrMetadata& metadata, const std::filesystem::path& path) {
   for (float value : image.values) EQ_CHECK(std::isfinite(value), path.string(), value);
-  try {  // the boundary to a library that throws its own
-    save_atomically(path,
-                    [&](const std::filesystem::path& temporary) { write_exr(image, metadata, temporary); });
-  } catch (const StoreError&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw StoreError(fmt::format("{}: cannot write: {}", path.string(), error.what()));
-  }
+  save_text(path, encode_exr(image, metadata));
 }
 
 }  // namespace equilux

@@ -20,10 +20,16 @@ Manifest load_manifest(const std::filesystem::path& path) {
   manifest.seed = static_cast<std::uint64_t>(json.at("seed").as_int());
   manifest.width = static_cast<int>(json.at("width").as_int());
   manifest.height = static_cast<int>(json.at("height").as_int());
-  for (const Json& tone : json.at("tones").as_array()) {
-    manifest.tones[tone.at("family").as_string()] = {
-        tone.at("log_average").as_double(), tone.at("white").as_double(), tone.at("delta").as_double(),
-        tone.at("key").as_double(), tone.at("exposure").as_string()};
+  const auto& tones = json.at("tones").as_array();
+  for (std::size_t i = 0; i < tones.size(); ++i) {
+    const Json& tone = tones[i];
+    const ToneRecord record{tone.at("log_average").as_double(), tone.at("white").as_double(),
+                            tone.at("delta").as_double(), tone.at("key").as_double(),
+                            tone.at("exposure").as_string()};
+    if (!manifest.tones.emplace(tone.at("family").as_string(), record).second) {
+      throw InputError(path.string(), fmt::format("/tones/{}/family", i), "each family once",
+                       tone.at("family").as_string() + " again");
+    }
   }
   const auto& pictures = json.at("pictures").as_array();
   for (std::size_t i = 0; i < pictures.size(); ++i) {

@@ -8,7 +8,7 @@
 
 namespace equilux {
 
-/// Loads 8-bit PNG of any colour type as RGB, without colour conversion.
+/// Loads a PNG of any colour type as 8-bit sRGB; a file that names another gamma is converted.
 /// errors: InputError for a missing, damaged or larger than 16,384 x 16,384 file.
 LdrImage load_png(const std::filesystem::path& path);
 

@@ -72,7 +72,7 @@ Light make_light(const Json& json, const std::string& source, const std::string&
   } else {
     const RectangleLight shape{to_vec(rectangle->at("corner")), to_vec(rectangle->at("u")),
                                to_vec(rectangle->at("v")), to_vec(rectangle->at("radiance"))};
-    if (cross(shape.u, shape.v) == Vec3{}) {
+    if (!spans_area(shape.u, shape.v)) {
       throw InputError(source, place + "/rectangle", "u and v that span an area", "an area of zero");
     }
     light.shape = shape;
@@ -98,8 +98,10 @@ Json check_mesh(const Json& json, const std::string& source, const std::string& 
   }
   if (const Json* lathe = json.find("lathe")) {
     const auto& profile = lathe->at("profile").as_array();
+    const auto radius = [&](std::size_t i) { return static_cast<float>(profile[i].at(0).as_double()); };
+    const auto height = [&](std::size_t i) { return static_cast<float>(profile[i].at(1).as_double()); };
     for (std::size_t i = 0; i < profile.size(); ++i) {
-      if (profile[i].at(0).as_double() < 0 || (i > 0 && profile[i] == profile[i - 1])) {
+      if (radius(i) < 0 || (i > 0 && radius(i) == radius(i - 1) && height(i) == height(i - 1))) {
         throw InputError(source, fmt::format("{}/lathe/profile/{}", place, i),
                          "a radius of at least 0, and not the point before", "another");
       }

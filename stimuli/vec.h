@@ -38,6 +38,9 @@ inline Vec3 normalize(Vec3 a) {
   return scaled / length(scaled);
 }
 
+/// True where u and v span an area: neither is zero, and they are not parallel to within float's rounding.
+inline bool spans_area(Vec3 u, Vec3 v) { return length(cross(normalize(u), normalize(v))) > 1e-6f; }
+
 inline float max_component(Vec3 a) { return std::max({a.x, a.y, a.z}); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 

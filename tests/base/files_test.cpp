@@ -1,0 +1,114 @@
+// Files appear under their name only when whole, whatever fails on the way.
+#include "base/files.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "tests/support/failures.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(SaveText, RoundTripsAndLeavesNothingBeside) {
+  const TempFolder folder;
+  const std::string text("line\nzero \0 byte\r\n", 18);
+  save_text(folder / "a.txt", text);
+  EXPECT_EQ(load_text(folder / "a.txt"), text);
+  save_text(folder / "a.txt", "");
+  EXPECT_EQ(load_text(folder / "a.txt"), "");
+  EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(SaveText, ThatRunsOutOfSpaceLeavesNothing) {
+  const TempFolder folder;
+  const auto path = folder / "a.txt";
+  std::string message;
+  {
+    const FileSizeLimit limit(1000);
+    message = message_of<StoreError>([&] { save_text(path, std::string(5000, 'x')); });
+  }
+  EXPECT_THAT(message, HasSubstr(path.string()));
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(SaveText, ThatRunsOutOfSpaceKeepsTheOldFile) {
+  const TempFolder folder;
+  folder.write("a.txt", "old");
+  {
+    const FileSizeLimit limit(1000);
+    EXPECT_THROW(save_text(folder / "a.txt", std::string(5000, 'x')), StoreError);
+  }
+  EXPECT_EQ(load_text(folder / "a.txt"), "old");
+  EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(SaveText, IntoAMissingFolderIsAStoreErrorThatNamesThePath) {
+  const TempFolder folder;
+  const auto path = folder / "missing/a.txt";
+  EXPECT_THAT(message_of<StoreError>([&] { save_text(path, "x"); }), HasSubstr(path.string()));
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(SaveText, OverAFolderIsAStoreErrorAndLeavesNoTemporary) {
+  const TempFolder folder;
+  folder.write("a/inner", "kept");
+  EXPECT_THAT(message_of<StoreError>([&] { save_text(folder / "a", "x"); }), HasSubstr("a: cannot rename"));
+  EXPECT_EQ(load_text(folder / "a/inner"), "kept");
+  EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(SaveAtomically, ThatIsInterruptedByAnExceptionLeavesNothing) {
+  const TempFolder folder;
+  const auto write = [](const std::filesystem::path& temporary) {
+    std::ofstream(temporary) << "half";
+    throw std::runtime_error("stop");
+  };
+  EXPECT_THROW(save_atomically(folder / "a", write), std::runtime_error);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(SaveAtomically, WithoutAFileBeingWrittenIsAStoreError) {
+  const TempFolder folder;
+  EXPECT_THROW(save_atomically(folder / "a", [](const std::filesystem::path&) {}), StoreError);
+  EXPECT_EQ(folder.entry_count(), 0);
+}
+
+TEST(LoadText, RefusesMoreThanItsBoundAndTakesExactlyIt) {
+  const TempFolder folder;
+  const auto path = folder.write("a", std::string(1000, 'x'));
+  EXPECT_EQ(load_text(path, 1000).size(), 1000u);
+  EXPECT_THAT(message_of<InputError>([&] { load_text(path, 999); }),
+              AllOf(HasSubstr(path.string()), HasSubstr("at most 999 bytes")));
+}
+
+TEST(LoadText, StopsAtItsBoundInAFileWithoutEnd) { EXPECT_THROW(load_text("/dev/zero", 100000), InputError); }
+
+TEST(LoadText, NamesAMissingFileAndAFolder) {
+  const TempFolder folder;
+  const auto missing = folder / "missing";
+  EXPECT_THAT(message_of<InputError>([&] { load_text(missing); }),
+              AllOf(HasSubstr(missing.string()), HasSubstr("No such file")));
+  EXPECT_THAT(message_of<InputError>([&] { load_text(folder.path()); }),
+              AllOf(HasSubstr(folder.path().string()), HasSubstr("got a folder")));
+}
+
+TEST(MakeFolder, MakesParentsAndTakesOneThatIsThere) {
+  const TempFolder folder;
+  make_folder(folder / "a/b/c");
+  make_folder(folder / "a/b/c");
+  EXPECT_TRUE(std::filesystem::is_directory(folder / "a/b/c"));
+}
+
+TEST(MakeFolder, WhereAFileStandsIsAStoreErrorThatNamesIt) {
+  const TempFolder folder;
+  folder.write("a", "file");
+  EXPECT_THAT(message_of<StoreError>([&] { make_folder(folder / "a/b"); }), HasSubstr("/a/b: "));
+  EXPECT_THROW(make_folder(folder / "a"), StoreError);
+}
+
+}  // namespace
+}  // namespace equilux

@@ -1,0 +1,57 @@
+// Where a program ends: exit codes, the message, and how a duration reads.
+#include "base/program.h"
+
+#include <gtest/gtest.h>
+#include <new>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "tests/support/failures.h"
+
+namespace equilux {
+namespace {
+
+using testing::MatchesRegex;
+
+TEST(RunProgram, PassesTheExitCodeOn) {
+  for (int code : {kExitOk, kExitError, kExitUsage, 7})
+    EXPECT_EQ(run_program("p", [&] { return code; }), code);
+  EXPECT_EQ(kExitOk, 0);
+  EXPECT_EQ(kExitError, 1);
+  EXPECT_EQ(kExitUsage, 2);
+}
+
+TEST(RunProgram, TurnsAnExceptionIntoOneLineAndExitCodeOne) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program("p", []() -> int { throw InputError("a.json", "/x", "1", "2"); }), 1);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "p: a.json: /x: expected 1, got 2\n");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run_program("p", []() -> int { throw StoreError("full"); }), 1);
+  EXPECT_EQ(run_program("p", []() -> int { throw std::bad_alloc(); }), 1);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "p: full\np: out of memory\n");
+}
+
+TEST(FormatUtcNow, IsIso8601WithMilliseconds) {
+  EXPECT_THAT(format_utc_now(),
+              MatchesRegex("[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}\\.[0-9]{3}Z"));
+}
+
+TEST(FormatSeconds, NeverShowsSixtyOfAnything) {
+  const std::pair<double, const char*> cases[] = {
+      {0, "0.0 s"},           {4.14, "4.1 s"},      {9.94, "9.9 s"},       {9.96, "10 s"},
+      {59.4, "59 s"},         {59.6, "1 min 00 s"}, {200, "3 min 20 s"},   {3599.4, "59 min 59 s"},
+      {3599.6, "1 h 00 min"}, {3720, "1 h 02 min"}, {86400, "24 h 00 min"}};
+  for (const auto& [seconds, text] : cases) EXPECT_EQ(format_seconds(seconds), text) << seconds;
+}
+
+TEST(ProgressOfAShortJob, SaysNothing) {
+  testing::internal::CaptureStderr();
+  {
+    Progress progress("job", 10);
+    for (int i = 0; i < 10; ++i) progress.advance(1);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace equilux

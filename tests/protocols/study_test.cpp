@@ -1,0 +1,191 @@
+// Study files that are broken in one place each: the error names the file and the JSON pointer.
+#include "protocols/study.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "tests/support/failures.h"
+#include "tests/support/json_edit.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class StudyFile : public testing::Test {
+ protected:
+  static Json original(const std::string& name) {
+    const auto path = std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols" / (name + ".json");
+    return parse_json(load_text(path), path.string());
+  }
+  Study load(const Json& json) { return load_study(folder_.write("study.json", format_json(json))); }
+
+  /// The error that loading gives, without the file's path, which it must begin with.
+  std::string refusal_of_text(const std::string& text) {
+    const auto path = folder_.write("study.json", text);
+    const std::string message = message_of<InputError>([&] { load_study(path); });
+    EXPECT_THAT(message, StartsWith(path.string() + ": "));
+    return message.substr(std::min(message.size(), path.string().size() + 2));
+  }
+  std::string refusal_of(const Json& json) { return refusal_of_text(format_json(json)); }
+
+  const TempFolder folder_;
+  const Json pocket_ = original("pocket");
+  const Json normalisation_ = original("normalisation");
+};
+
+TEST_F(StudyFile, IsReadInFull) {
+  const Study study = load(pocket_);
+  EXPECT_EQ(study.width, 280);
+  EXPECT_EQ(study.height, 210);
+  EXPECT_EQ(study.clamp_levels.size(), 11u);
+  EXPECT_EQ(study.exposure, Exposure::kBackground);
+  EXPECT_EQ(study.view_mode, ViewMode::kReferenceTurned);
+  EXPECT_EQ(study.subjects.at("artifact"), 12);
+  EXPECT_EQ(study.subjects.at("material"), 14);
+  EXPECT_EQ(study.windows_path, folder_ / "pocket/windows.json");
+  EXPECT_EQ(study.scene_path, (folder_.path().parent_path() / "stimuli/scenes/cafe.json"));
+  EXPECT_EQ(study.digest, digest_json(pocket_));
+}
+
+TEST_F(StudyFile, WithoutAnyOneOfItsMembersNamesTheMember) {
+  const Json blank = without(without(pocket_, "/description"), "/normalise");
+  ASSERT_NO_THROW(load(blank)) << "these two may be left out";
+  for (const auto& [name, value] : blank.as_object())
+    EXPECT_EQ(refusal_of(without(blank, "/" + name)), "/: expected a member \"" + name + "\", got none");
+  std::map<std::string, Json> inner{{"/blocks/0", blank.at("blocks").at(std::size_t{0})}};
+  for (const std::string name : {"image", "paths", "noise_target", "target", "subjects"})
+    inner["/" + name] = blank.at(name);
+  for (const auto& [place, object] : inner) {
+    for (const auto& [name, value] : object.as_object())
+      EXPECT_EQ(refusal_of(without(blank, place + "/" + name)),
+                place + ": expected a member \"" + name + "\", got none");
+  }
+}
+
+TEST_F(StudyFile, WithAMemberTooManyNamesIt) {
+  for (const char* place : {"", "/image", "/paths", "/noise_target", "/target", "/subjects", "/blocks/0"}) {
+    EXPECT_THAT(refusal_of(with(pocket_, std::string(place) + "/extra", 1)),
+                AllOf(StartsWith(*place ? std::string(place) + ": " : "/: "), HasSubstr("\"extra\"")));
+  }
+}
+
+TEST_F(StudyFile, WithAWrongValueSaysWhereAndWhatIsExpected) {
+  const std::tuple<const char*, Json, const char*> cases[] = {
+      {"/schema", "equilux-scene", "\"equilux-study\""},
+      {"/schema_version", 2, "expected 1, got 2"},
+      {"/schema_version", "1", "expected 1"},
+      {"/name", "a b", "string"},
+      {"/name", "../x", "string"},
+      {"/name", 7, "string"},
+      {"/seed", -1, "integer of at least 0"},
+      {"/seed", 1.5, "integer"},
+      {"/image/width", 0, "integer of at least 1"},
+      {"/image/height", 20000, "at most 16384"},
+      {"/subpixel_positions", 0, "integer"},
+      {"/paths/background", 0, "integer"},
+      {"/noise_target/object_mean", 0, "number over 0"},
+      {"/exposure", "middle", "one of background, whole"},
+      {"/tone_key", 0, "number"},
+      {"/normalise", "no", "boolean"},
+      {"/view_mode", "turned", "one of reference_turned, pair_turned"},
+      {"/clamp_levels/3", "C11", "one of C0"},
+      {"/clamp_levels/3", "C0", "without repetition"},
+      {"/clamp_levels", Json(Json::Array{}), "array"},
+      {"/target/degrees_wide", -16, "number"},
+      {"/subjects/artifact", 0, "integer"},
+      {"/blocks", Json(Json::Array{}), "array"},
+      {"/blocks/0/geometries/1", "G 2", "a name of letters and digits"},
+      {"/blocks/0/materials", Json(Json::Array{}), "array"},
+      {"/blocks/0/materials/1", "MS", "without repetition"},
+      {"/blocks/0/illuminations/0", "dim", "one of ind, dir"},
+      {"/blocks/0/vpl_counts/0", "1x", "a VPL count"},
+      {"/blocks/0/vpl_counts/0", 1000, "a VPL count"}};
+  for (const auto& [place, value, expected] : cases) {
+    const std::string message = refusal_of(with(pocket_, place, value));
+    const std::string pointer = place;
+    const bool on_list = std::string_view(expected) == "without repetition";
+    EXPECT_THAT(message, StartsWith((on_list ? pointer.substr(0, pointer.rfind('/')) : pointer) + ": "))
+        << message;
+    EXPECT_THAT(message, HasSubstr(expected));
+  }
+}
+
+TEST_F(StudyFile, WithAVplCountBeyondTheLimitSaysSo) {
+  EXPECT_THAT(refusal_of(with(pocket_, "/blocks/0/vpl_counts/0", "2000M")),
+              StartsWith("/blocks/0/vpl_counts"));
+}
+
+TEST_F(StudyFile, WithOverlappingBlocksNamesTheSecondAndTheColumn) {
+  const Json twice = with(pocket_, "/blocks/-", pocket_.at("blocks").at(std::size_t{0}));
+  EXPECT_EQ(refusal_of(twice), "/blocks/1: expected columns that no other block has, got G0-MS-ind-1k");
+  const Json one_shared = with(with(twice, "/blocks/1/geometries", make_json({"G1", "G2"})),
+                               "/blocks/1/vpl_counts", make_json({"10k", "5M"}));
+  EXPECT_THAT(refusal_of(one_shared), AllOf(StartsWith("/blocks/1: "), HasSubstr("G2-MS-ind-10k")));
+  EXPECT_NO_THROW(load(with(twice, "/blocks/1/geometries", make_json({"G1", "G3"}))));
+}
+
+TEST_F(StudyFile, WithOneCountInTwoSpellingsIsRefused) {
+  EXPECT_THAT(refusal_of(with(pocket_, "/blocks/0/vpl_counts", make_json({"1k", "1000"}))),
+              StartsWith("/blocks/0"));
+}
+
+TEST_F(StudyFile, WithoutAReferenceMaterialSaysForWhichObject) {
+  EXPECT_THAT(
+      refusal_of(without(normalisation_, "/reference_materials")),
+      AllOf(StartsWith("/reference_materials: "), HasSubstr("other than MR"), HasSubstr("G0-MR-ind")));
+  EXPECT_THAT(refusal_of(with(normalisation_, "/reference_materials", make_json({"MR"}))),
+              StartsWith("/reference_materials: "));
+}
+
+TEST_F(StudyFile, DropsItsOwnMaterialFromTheReferenceMaterials) {
+  const Study study = load(with(normalisation_, "/reference_materials", make_json({"MR", "GS"})));
+  EXPECT_EQ(enumerate_reference_materials(study, enumerate_objects(study).front()),
+            std::vector<std::string>{"GS"});
+}
+
+TEST_F(StudyFile, WithADuplicateMemberIsRefused) {
+  std::string text = format_json(pocket_);
+  text.insert(text.find("\"seed\""), "\"seed\": 2, ");
+  EXPECT_THAT(refusal_of_text(text), StartsWith("/seed: "));
+}
+
+TEST_F(StudyFile, ThatIsNotJsonSaysLineAndColumn) {
+  EXPECT_THAT(refusal_of_text("{\n\"schema\": x}"), StartsWith("line 2, column 11: "));
+  EXPECT_THAT(refusal_of_text(""), StartsWith("line 1, column 1: "));
+  EXPECT_THAT(refusal_of_text("[]"), StartsWith("/: expected object"));
+}
+
+TEST_F(StudyFile, ThatIsHugeIsRefusedBeforeItIsParsed) {
+  const auto path = folder_.write("study.json", "{}");
+  std::filesystem::resize_file(path, (std::uintmax_t{64} << 20) + 1);
+  EXPECT_THAT(message_of<InputError>([&] { load_study(path); }),
+              AllOf(StartsWith(path.string()), HasSubstr("at most 67108864 bytes")));
+}
+
+TEST_F(StudyFile, ThatIsMissingOrAFolderIsNamed) {
+  EXPECT_THAT(message_of<InputError>([&] { load_study(folder_ / "none.json"); }), HasSubstr("none.json"));
+  EXPECT_THAT(message_of<InputError>([&] { load_study(folder_.path()); }), HasSubstr("got a folder"));
+}
+
+TEST_F(StudyFile, GivesOneDigestWhateverTheOrderOfItsMembers) {
+  EXPECT_EQ(load(reversed(pocket_)).digest, load(pocket_).digest);
+  const Json swapped = with(pocket_, "/blocks/0/geometries", make_json({"G2", "G0"}));
+  EXPECT_NE(load(swapped).digest, load(pocket_).digest) << "the order of an array counts";
+  EXPECT_NE(load(with(pocket_, "/seed", 2)).digest, load(pocket_).digest);
+}
+
+TEST_F(StudyFile, GivesLevelsAndCountsInOrderHoweverTheyAreListed) {
+  const Json mixed = with(with(pocket_, "/clamp_levels", make_json({"C10", "C0", "C4"})),
+                          "/blocks/0/vpl_counts", make_json({"5M", "1k"}));
+  const Study study = load(mixed);
+  EXPECT_EQ(study.clamp_levels, (std::vector<int>{0, 4, 10}));
+  EXPECT_EQ(study.blocks[0].vpl_counts, (std::vector<std::int64_t>{1000, 5000000}));
+}
+
+}  // namespace
+}  // namespace equilux
