@@ -25,7 +25,7 @@ class PathSampler {
   float next();
 
  private:
-  static constexpr std::size_t kDimensions = 6;
+  static constexpr std::size_t kDimensions = 9;
   RandomStream stream_;
   std::array<double, kDimensions> point_{};
   std::size_t dimension_ = 0;

@@ -13,7 +13,7 @@ namespace equilux {
 namespace {
 
 // Cost of a point-VPL pair in units of a path, for the estimate of what is left; measured on the café.
-constexpr double kPairCost = 0.06;
+constexpr double kPairCost = 0.05;
 
 struct GroupKey {
   std::string geometry;
@@ -59,9 +59,9 @@ double estimate_work(const Study& study, const Scene& scene, const World& world,
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
   const double family = pixels * (object * study.paths.object_indirect + room * study.paths.background);
   double pairs = 0;
-  std::set<std::pair<Column, int>> seen;
+  std::set<std::pair<std::int64_t, int>> seen;  // materials and levels share the pairs
   for (const Condition& condition : missing.conditions) {
-    if (!seen.insert({condition.cell.column, condition.view}).second) continue;
+    if (!seen.insert({condition.cell.column.vpl_count, condition.view}).second) continue;
     pairs +=
         pixels * object * study.subpixel_positions * static_cast<double>(condition.cell.column.vpl_count);
   }
