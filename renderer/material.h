@@ -12,6 +12,10 @@ namespace equilux {
 inline constexpr float kPi = std::numbers::pi_v<float>;
 inline constexpr float kInvPi = std::numbers::inv_pi_v<float>;
 
+/// Roulette survives at most this often, so that paths end even between white walls; it divides by what it
+/// used, so it stays unbiased. Weights above 1 (Ward-Duer near grazing) are kept, never capped.
+inline constexpr float kLargestSurvival = 0.98f;
+
 /// f = rho_d / pi + rho_s E / (4 pi alpha^2 cv cl), E = exp(-tan^2 t / alpha^2), t the half vector's angle.
 /// source: Duer, "An improved normalization for the Ward reflectance model", JGT 11(1), 2006.
 struct Material {

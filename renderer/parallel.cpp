@@ -1,6 +1,7 @@
 // The one file that knows oneTBB.
 #include "renderer/parallel.h"
 
+#include <algorithm>
 #include <optional>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -17,6 +18,11 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
       },
       tbb::simple_partitioner());
+}
+
+int count_threads() {
+  return static_cast<int>(std::min<std::size_t>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism), 4096));
 }
 
 struct ThreadLimit::Impl {

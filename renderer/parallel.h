@@ -10,6 +10,9 @@ namespace equilux {
 /// Calls body(0) .. body(count - 1), each once, on all threads, with denormals flushed.
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// Threads that a loop may use now.
+int count_threads();
+
 /// While it lives, loops use at most this many threads (0: as many as there are cores).
 class ThreadLimit {
  public:

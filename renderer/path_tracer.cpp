@@ -267,8 +267,7 @@ Vec3 estimate_reflected(const World& world, const Materials& materials, const Su
     const auto step = sample_step(shading, point, sampler);
     if (!step) return sum;
     throughput *= step->weight;
-    // Weights of Ward-Duer exceed 1 near grazing: roulette then survives for certain, and the weight is kept.
-    const float survival = depth == 0 ? 1 : std::min(1.0f, max_component(step->weight));
+    const float survival = depth == 0 ? 1 : std::min(kLargestSurvival, max_component(step->weight));
     if (!(survival > 0) || sampler.next() >= survival) return sum;
     throughput = throughput / survival;
     const auto hit = world.intersect(point.origin(), step->direction);

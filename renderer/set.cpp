@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "base/version.h"
 #include "renderer/layer_store.h"
+#include "renderer/parallel.h"
 #include "renderer/render_layers.h"
 #include "renderer/wanted.h"
 #include "stimuli/png_file.h"
@@ -223,13 +224,7 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   summary.seconds["pictures"] += seconds_since(start);
 }
 
-std::string cpu_name() {
-  for (const auto& isa : {"avx512f", "avx2"}) {
-    if (std::string(isa) == "avx512f" ? __builtin_cpu_supports("avx512f") : __builtin_cpu_supports("avx2"))
-      return isa;
-  }
-  return "x86-64";
-}
+std::string processor_isa() { return __builtin_cpu_supports("avx512f") ? "avx512" : "avx2"; }
 
 // Times, host and instruction set of every run that rendered something; no digest covers this file.
 void append_timing(const StudyFolder& folder, const SetSummary& summary) {
@@ -245,8 +240,8 @@ void append_timing(const StudyFolder& folder, const SetSummary& summary) {
   for (const auto& [stage, time] : summary.seconds) seconds.set(stage, time);
   Json run;
   run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", std::string(host));
-  run.set("built_for", "x86-64-v3").set("processor_has", cpu_name());
-  run.set("threads", static_cast<std::int64_t>(sysconf(_SC_NPROCESSORS_ONLN)));
+  run.set("built_for", "x86-64-v3").set("processor_has", processor_isa());
+  run.set("threads", count_threads());
   run.set("layers_rendered", summary.layers_rendered).set("pictures_written", summary.pictures_written);
   run.set("seconds", std::move(seconds));
   Json runs = json.find("runs") ? *json.find("runs") : Json(Json::Array{});

@@ -53,9 +53,8 @@ std::optional<Vec3> sample_particle(const Material& material, const SurfacePoint
   return wo;
 }
 
-// Unbiased roulette: weights above 1 survive for certain and are kept.
 bool survives(Vec3 before, Vec3& after, RandomStream& random) {
-  const float share = std::min(1.0f, max_component(after) / max_component(before));
+  const float share = std::min(kLargestSurvival, max_component(after) / max_component(before));
   if (!(share > 0) || random.next_float() >= share) return false;
   after = after / share;
   return true;

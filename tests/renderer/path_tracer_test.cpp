@@ -126,6 +126,19 @@ TEST(PathTracer, AnIntegratingSphereInterreflectsAsItsSeries) {
   }
 }
 
+// Between white walls no light is lost and the series has no limit: what matters is that every path ends.
+TEST(PathTracer, PathsEndBetweenWhiteWalls) {
+  SceneText text;
+  text.materials = R"([{"name":"white","model":"lambertian","rho_d":[1,1,1]}])";
+  text.meshes = R"([{"name":"ball","sphere":{"radius":2,"subdivisions":3}}])";
+  text.camera = R"({"position":[0.5,0.3,0],"target":[2,0.3,0.1],"up":[0,0,1],"vertical_fov_degrees":50})";
+  text.stand = "[0,0,-2]";
+  text.lights =
+      R"([{"spot":{"position":[0,0,0],"target":[0,0,1],"inner_degrees":20,"outer_degrees":40,"intensity":[1,1,1]}}])";
+  const Traced traced = trace(test::make_scene(text), "white", {16, 16, 16}, 8);
+  EXPECT_GT(object_mean(traced, traced.layers.indirect).mean, 0);
+}
+
 TEST(PathTracer, TheStandardErrorIsThatOfRepeatedRuns) {
   SceneText text;
   text.lights = test::furnace_lights(6);
