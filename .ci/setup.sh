@@ -30,22 +30,31 @@ missing_packages() {
   done
 }
 
-# install_packages PACKAGE...: installs what is missing, asking the package system only then.
-install_packages() {
-  local missing log
-  mapfile -t missing < <(missing_packages "$@")
-  [ "${#missing[@]}" -gt 0 ] || { echo "all ${#} packages are installed"; return; }
-  echo "installing ${missing[*]}"
+# apt COMMAND...: with its own progress on a terminal, else quiet with a log that is shown if it fails. Several package runs may
+# meet: wait for the lock.
+apt() {
+  local log
+  if [ -t 1 ]; then
+    as_root apt-get -o DPkg::Lock::Timeout=600 "$@"
+    return
+  fi
   log=$(mktemp)
-  # Several package runs may meet: wait for the lock.
-  if as_root apt-get -o DPkg::Lock::Timeout=600 update >"$log" 2>&1 &&
-    as_root apt-get -o DPkg::Lock::Timeout=600 install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+  if as_root apt-get -o DPkg::Lock::Timeout=600 "$@" >"$log" 2>&1; then
     rm -f "$log"
   else
     tail -n 30 "$log" >&2
-    echo "$0: packages could not be installed; the whole log is in $log" >&2
+    echo "$0: apt-get $1 failed; the whole log is in $log" >&2
     return 1
   fi
+}
+
+# install_packages PACKAGE...: installs what is missing, asking the package system only then.
+install_packages() {
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
+  [ "${#missing[@]}" -gt 0 ] || { echo "all ${#} packages are installed"; return; }
+  echo "installing ${#missing[@]} packages and what they need, a minute or two: ${missing[*]}"
+  apt update && apt install -y --no-install-recommends "${missing[@]}"
 }
 
 # build_preset PRESET [CMAKE-OPTION...]
