@@ -71,7 +71,7 @@ Words set_words(const test::TinyStudy& study, const fs::path& out, int threads) 
   return {"set", study.path().string(), "--out", out.string(), "--threads", std::to_string(threads)};
 }
 
-class RenderKill : public ::testing::Test {
+class RenderSet : public ::testing::Test {
  protected:
   /// Kills a run after this share of an undisturbed run's time; false if it was over before.
   bool kill_after(double share, int threads) {
@@ -89,7 +89,7 @@ class RenderKill : public ::testing::Test {
 
 // Seed 51: moments even over the time of an undisturbed run, 10 kills of running programs on 1, 2 and 3
 // threads by turns. A run that ends before its kill must have made the set; the folder is then emptied.
-TEST_F(RenderKill, LeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
+TEST_F(RenderSet, KilledLeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
   const auto start = std::chrono::steady_clock::now();
   run_well("render", set_words(study_, undisturbed_, 2));
   whole_run_ = std::chrono::steady_clock::now() - start;
@@ -108,15 +108,26 @@ TEST_F(RenderKill, LeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
       fs::remove_all(disturbed_);
     }
   }
+  RecordProperty("kills_in_mid_set", in_mid_set);
   EXPECT_EQ(kills, kKills);
   EXPECT_GE(in_mid_set, kKills / 2) << "kills must fall while layers and pictures are being made";
   run_well("render", set_words(study_, disturbed_, 3));
   EXPECT_EQ(digest_products(disturbed_), whole);
 }
 
+TEST_F(RenderSet, GivesTheSameBytesOnOneTwoAndThreeThreads) {
+  run_well("render", set_words(study_, undisturbed_, 1));
+  const auto whole = digest_products(undisturbed_);
+  for (int threads : {2, 3}) {
+    run_well("render", set_words(study_, disturbed_, threads));
+    EXPECT_EQ(digest_products(disturbed_), whole) << threads;
+    fs::remove_all(disturbed_);
+  }
+}
+
 // What a killed writer leaves beside its file is taken away by the next run; a writer that still runs keeps
 // its own.
-TEST_F(RenderKill, LeavesHalfWrittenFilesThatTheNextRunRemoves) {
+TEST_F(RenderSet, KilledLeavesHalfWrittenFilesThatTheNextRunRemoves) {
   run_well("render", set_words(study_, disturbed_, 2));
   const auto whole = digest_products(disturbed_);
   const std::string dead = ".999999999.part", alive = fmt::format(".{}.part", ::getpid());
@@ -135,7 +146,7 @@ TEST_F(RenderKill, LeavesHalfWrittenFilesThatTheNextRunRemoves) {
 }
 
 // Mutants: a picture, a layer and a manifest that stop short.
-TEST_F(RenderKill, IsSeenByItsCheckWhereAFileIsCutShort) {
+TEST_F(RenderSet, IsSeenByItsCheckWhereAFileIsCutShort) {
   run_well("render", set_words(study_, disturbed_, 2));
   ASSERT_THAT(find_damaged(disturbed_), IsEmpty());
   for (const char* name :
