@@ -131,7 +131,7 @@ TEST_F(Readme, FilesOfAStudyFolderAreTheFirstCellsOfItsTable) {
               ElementsAre("a", "b/", "d-planted.json"));
 }
 
-// Mutants: a command that fails, and one that writes escape codes.
+// Mutant: a command that fails.
 TEST_F(Readme, ACommandThatFailsIsNoticed) {
   EXPECT_EQ(Child("/bin/bash", {"-c", R"(cd "$1" && eval "$2")", "bash", folder_.path().string(),
                                 "build/release/bin/equilux-render tonemap nowhere"})
