@@ -2,6 +2,8 @@
 #include "base/files.h"
 
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
@@ -48,6 +50,22 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+fs::path part_path(const fs::path& path, pid_t writer) {
+  return path.string() + fmt::format(".{}.part", writer);
+}
+
+// The writer of a file named by part_path; 0 for any other name.
+pid_t find_writer(const fs::path& part) {
+  if (part.extension() != ".part") return 0;
+  const std::string number = part.stem().extension().string();
+  pid_t writer = 0;
+  const char* end = number.data() + number.size();
+  if (number.empty() || std::from_chars(number.data() + 1, end, writer).ptr != end) return 0;
+  return writer;
+}
+
+bool has_ended(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
+
 }  // namespace
 
 std::string load_text(const fs::path& path, std::size_t max_bytes) {
@@ -75,8 +93,7 @@ void save_text(const fs::path& path, std::string_view text) {
 }
 
 void save_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
-  fs::path temporary = path;
-  temporary += fmt::format(".{}.part", ::getpid());
+  const fs::path temporary = part_path(path, ::getpid());
   try {
     write(temporary);
     OpenFile(temporary, O_RDONLY).sync();
@@ -85,6 +102,14 @@ void save_atomically(const fs::path& path, const std::function<void(const fs::pa
   } catch (...) {
     ::unlink(temporary.c_str());
     throw;
+  }
+}
+
+void remove_stale_parts(const fs::path& folder) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const pid_t writer = find_writer(entry.path());
+    if (writer > 0 && has_ended(writer)) fs::remove(entry.path(), ignored);
   }
 }
 

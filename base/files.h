@@ -19,6 +19,9 @@ void save_text(const std::filesystem::path& path, std::string_view text);
 void save_atomically(const std::filesystem::path& path,
                      const std::function<void(const std::filesystem::path&)>& write);
 
+/// Removes the half-written files that writers which no longer run on this machine left in a folder.
+void remove_stale_parts(const std::filesystem::path& folder);
+
 /// Makes the folder and its parents. errors: StoreError.
 void make_folder(const std::filesystem::path& path);
 

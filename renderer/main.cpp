@@ -123,8 +123,9 @@ void add_image(CLI::App& app, std::function<int()>& command, int& threads) {
 int main(int argc, char** argv) {
   CLI::App app("Makes stimuli: path-traced references and VPL pictures of a study's conditions",
                "equilux-render");
-  app.set_version_flag("--version", equilux::kVersion);
+  app.set_version_flag("--version", std::string("equilux-render ") + equilux::kVersion);
   app.require_subcommand(1);
+  app.footer("Example: equilux-render set protocols/pocket.json --out studies/pocket");
   std::function<int()> command;
   int threads = 0;
   add_set(app, command, threads);

@@ -38,14 +38,17 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
   if (has_sessions(folder) && fs::exists(folder.study())) {
     if (load_study(folder.study()).digest != study.digest) refuse_change(folder, "another study");
   }
-  make_folder(folder.layer_folder());
-  make_folder(folder.picture_folder());
+  for (const fs::path& part : {folder.root, folder.layer_folder(), folder.picture_folder()}) {
+    make_folder(part);
+    remove_stale_parts(part);
+  }
   save_text(folder.study(), format_json(study.source));
   // Windows and truth are a person's to edit once they are here.
   if (!fs::exists(folder.windows())) save_text(folder.windows(), load_text(study.windows_path));
   if (!fs::exists(folder.truth())) save_text(folder.truth(), load_text(study.truth_path));
   load_windows(folder.windows(), study);
   load_truth(folder.truth(), study);
+  if (fs::exists(folder.manifest())) load_manifest(folder.manifest());  // before hours of work, not after
 }
 
 MissingLayers find_missing(const Study& study, const Scene& scene, const Wanted& wanted, LayerStore& store,

@@ -2,6 +2,8 @@
 #include "base/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "tests/support/failures.h"
@@ -94,6 +96,22 @@ TEST(LoadText, NamesAMissingFileAndAFolder) {
               AllOf(HasSubstr(missing.string()), HasSubstr("No such file")));
   EXPECT_THAT(message_of<InputError>([&] { load_text(folder.path()); }),
               AllOf(HasSubstr(folder.path().string()), HasSubstr("got a folder")));
+}
+
+TEST(RemoveStaleParts, TakesWhatEndedWritersLeftAndNothingElse) {
+  const TempFolder folder;
+  const pid_t ended = ::fork();
+  if (ended == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(ended, nullptr, 0), ended);
+  folder.write(fmt::format("a.json.{}.part", ended), "half");
+  folder.write(fmt::format("a.json.{}.part", ::getpid()), "being written");
+  for (const char* name :
+       {"a.json", "notes.part", "a.json..part", "a.json.12x.part", "a.json.-7.part", "7.part"})
+    folder.write(name, "a person's own");
+  remove_stale_parts(folder.path());
+  EXPECT_EQ(folder.entry_count(), 7);
+  EXPECT_FALSE(std::filesystem::exists(folder / fmt::format("a.json.{}.part", ended)));
+  remove_stale_parts(folder / "nowhere");
 }
 
 TEST(MakeFolder, MakesParentsAndTakesOneThatIsThere) {

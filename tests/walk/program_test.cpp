@@ -1,0 +1,222 @@
+// The command lines of all three programs: help, version, wrong words, input that cannot be used, and the one
+// line that says so.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/version.h"
+#include "tests/experiment/fake_study.h"
+#include "tests/renderer/tiny_study.h"
+#include "tests/support/json_edit.h"
+#include "tests/walk/programs.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Subcommand {
+  std::string program, name;
+  bool needs_arguments = true;
+};
+
+const std::vector<Subcommand> kSubcommands = {
+    {"render", "set"},         {"render", "image"},   {"render", "tonemap"}, {"session", "simulate"},
+    {"session", "run", false}, {"session", "status"}, {"analyze", "prune"},  {"analyze", "report"}};
+const std::vector<std::string> kPrograms = {"render", "session", "analyze"};
+
+std::string describe(const std::string& program, const Words& words) {
+  return fmt::format("equilux-{} {}", program, fmt::join(words, " "));
+}
+
+void expect_usage_error(const std::string& program, const Words& words) {
+  const ChildResult result = run_equilux(program, words);
+  EXPECT_EQ(result.exit_code, 2) << describe(program, words);
+  EXPECT_EQ(result.out, "") << describe(program, words);
+  EXPECT_NE(result.err, "") << describe(program, words);
+}
+
+/// Exit 1 and one line on standard error: the program, then what to look at.
+void expect_input_error(const std::string& program, const Words& words, const std::string& named) {
+  const ChildResult result = run_equilux(program, words);
+  EXPECT_EQ(result.exit_code, 1) << describe(program, words);
+  EXPECT_THAT(result.err, StartsWith("equilux-" + program + ": ")) << describe(program, words);
+  EXPECT_THAT(result.err, HasSubstr(named)) << describe(program, words);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_TRUE(result.err.ends_with("\n")) << result.err;
+}
+
+/// Words of the subcommands that take a study folder, without or with what else they need.
+std::vector<std::pair<std::string, Words>> folder_commands(const std::string& folder) {
+  return {{"render", {"tonemap", folder}},
+          {"session", {"simulate", folder, "--experiment", "artifact"}},
+          {"session", {"status", folder}},
+          {"analyze", {"prune", folder}},
+          {"analyze", {"report", folder}}};
+}
+
+Words image_words(const std::string& scene, const std::string& out) {
+  return {"image", scene, "--out", out, "--width", "8", "--height", "6", "--positions", "1", "--paths", "1"};
+}
+
+const std::string kCafe = EQUILUX_SOURCE_DIR "/stimuli/scenes/cafe.json";
+
+TEST(Programs, HaveAnExampleInEveryHelp) {
+  for (const std::string& program : kPrograms) {
+    EXPECT_THAT(run_well(program, {"--help"}), HasSubstr("Example:")) << program;
+  }
+  for (const Subcommand& command : kSubcommands) {
+    const std::string help = run_well(command.program, {command.name, "--help"});
+    const auto example = help.find("Example:");
+    ASSERT_NE(example, std::string::npos) << command.name;
+    EXPECT_THAT(help.substr(example), HasSubstr("equilux-" + command.program + " " + command.name));
+  }
+}
+
+TEST(Programs, SayTheirNameAndVersion) {
+  for (const std::string& program : kPrograms) {
+    EXPECT_EQ(run_well(program, {"--version"}), fmt::format("equilux-{} {}\n", program, kVersion));
+  }
+}
+
+TEST(Programs, LeaveWithTwoOnAWrongCommandLine) {
+  for (const std::string& program : kPrograms) {
+    expect_usage_error(program, {});
+    expect_usage_error(program, {"dance"});
+    expect_usage_error(program, {"--dance"});
+  }
+  for (const auto& [program, name, needs_arguments] : kSubcommands) {
+    if (needs_arguments) expect_usage_error(program, {name});
+    expect_usage_error(program, {name, "a", "--out", "b", "--experiment", "artifact", "--dance"});
+    expect_usage_error(program, {name, "a", "b", "c"});
+  }
+  expect_usage_error("render", {"set", "study.json"});
+  expect_usage_error("render", {"image", kCafe});
+  expect_usage_error("analyze", {"report", "a", "--rule", "psychic"});
+  expect_usage_error("analyze", {"prune", "a", "--kind", "martian"});
+}
+
+TEST(Programs, LeaveWithTwoOnThreadsBeyondTheRange) {
+  for (const std::string threads : {"-1", "4097", "many", "1.5", "99999999999999999999"}) {
+    expect_usage_error("render", {"set", "study.json", "--out", "a", "--threads", threads});
+    expect_usage_error("render", {"image", kCafe, "--out", "a.exr", "--threads", threads});
+  }
+}
+
+class ProgramInput : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (temporary_.path() / name).string(); }
+
+  TemporaryFolder temporary_;
+};
+
+TEST_F(ProgramInput, NamesWhatIsNotThere) {
+  const std::string nowhere = path("nowhere");
+  for (const auto& [program, words] : folder_commands(nowhere)) {
+    expect_input_error(program, words, nowhere + ": expected a study folder");
+  }
+  expect_input_error("render", {"set", nowhere + ".json", "--out", path("out")}, nowhere + ".json");
+  expect_input_error("render", image_words(nowhere + ".json", path("a.exr")), nowhere + ".json");
+  EXPECT_FALSE(fs::exists(nowhere));
+  EXPECT_FALSE(fs::exists(path("out"))) << "a study that cannot be read makes no folder";
+}
+
+TEST_F(ProgramInput, NamesAFolderThatIsNoStudy) {
+  fs::create_directory(path("empty"));
+  for (const auto& [program, words] : folder_commands(path("empty"))) {
+    expect_input_error(program, words, path("empty") + ": expected a study folder");
+  }
+  expect_input_error("render", {"set", path("empty"), "--out", path("out")}, path("empty"));
+  expect_input_error("render", image_words(path("empty"), path("a.exr")), path("empty"));
+  EXPECT_TRUE(fs::is_empty(path("empty")));
+}
+
+TEST_F(ProgramInput, NamesAStudyFolderWithoutAnswers) {
+  const StudyFolder folder = make_fake_study(temporary_.path() / "study");
+  for (const char* name : {"prune", "report"}) {
+    expect_input_error("analyze", {name, folder.root.string()}, folder.responses().string());
+  }
+}
+
+// Half a file, and a value of the wrong type with its JSON pointer.
+TEST_F(ProgramInput, NamesADamagedManifestAndItsPlace) {
+  const StudyFolder folder = make_fake_study(temporary_.path() / "study");
+  const std::string root = folder.root.string(), whole = load_text(folder.manifest());
+  run_well("session", {"simulate", root, "--experiment", "artifact", "--subjects", "1"});
+  const std::vector<std::pair<std::string, Words>> readers = {
+      {"session", {"simulate", root, "--experiment", "artifact"}}, {"analyze", {"report", root}}};
+  for (const auto& [program, words] : readers) {
+    save_text(folder.manifest(), whole.substr(0, whole.size() / 2));
+    expect_input_error(program, words, folder.manifest().string() + ": line ");
+    const std::string place = "/pictures/0/file";
+    save_text(folder.manifest(), format_json(with(parse_json(whole, "manifest"), place, 3)));
+    expect_input_error(program, words, folder.manifest().string() + ": " + place + ": expected ");
+  }
+}
+
+TEST_F(ProgramInput, NamesADamagedManifestBeforeAnythingIsRendered) {
+  const test::TinyStudy study;
+  const StudyFolder folder{temporary_.path() / "set"};
+  fs::create_directory(folder.root);
+  save_text(folder.manifest(), "{\"schema\": \"equilux-manifest\"");
+  const Words words = {"set", study.path().string(), "--out", folder.root.string()};
+  expect_input_error("render", words, folder.manifest().string());
+  EXPECT_TRUE(fs::is_empty(folder.layer_folder()));
+}
+
+TEST_F(ProgramInput, NamesAnUnknownMeshAndItsPlace) {
+  const Json cafe = parse_json(load_text(kCafe), kCafe);
+  save_text(path("scene.json"), format_json(with(cafe, "/instances/0/mesh", "teapot")));
+  const std::string named = path("scene.json") + ": /instances/0/mesh: expected ";
+  expect_input_error("render", image_words(path("scene.json"), path("a.exr")), named);
+  const test::TinyStudy study;
+  const Json other = with(parse_json(load_text(study.path()), ""), "/scene", path("scene.json"));
+  save_text(study.folder() / "other.json", format_json(other));
+  expect_input_error("render", {"set", (study.folder() / "other.json").string(), "--out", path("out")},
+                     named);
+  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_FALSE(fs::exists(path("a.exr")));
+}
+
+TEST_F(ProgramInput, NamesAPlaceThatCannotBeWritten) {
+  const test::TinyStudy study;
+  save_text(path("file"), "a regular file");
+  expect_input_error("render", {"set", study.path().string(), "--out", path("file/set")}, path("file/set"));
+  expect_input_error("render", {"set", study.path().string(), "--out", path("file")}, path("file"));
+  expect_input_error("render", image_words(kCafe, path("file/a.exr")), path("file/a.exr"));
+  expect_input_error("render", image_words(kCafe, path("no-folder/a.exr")), path("no-folder/a.exr"));
+  EXPECT_EQ(load_text(path("file")), "a regular file");
+}
+
+TEST_F(ProgramInput, NamesWrongValuesOfPictures) {
+  const auto with_words = [&](Words more) {
+    Words words = image_words(kCafe, path("a.exr"));
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  expect_input_error("render", with_words({"--geometry", "teapot"}), "teapot");
+  expect_input_error("render", with_words({"--material", "velvet"}), "velvet");
+  expect_input_error("render", with_words({"--method", "vpl", "--vpls", "several"}), "--vpls");
+  expect_input_error("render", with_words({"--method", "vpl", "--clamp", "C11"}), "--clamp");
+  EXPECT_FALSE(fs::exists(path("a.exr")));
+}
+
+// Without a screen or without a window library: `run` says so in one line.
+TEST_F(ProgramInput, NamesTheScreenThatIsMissing) {
+#ifdef EQUILUX_WINDOW
+  const std::string missing = "DISPLAY";
+#else
+  const std::string missing = "without one";
+#endif
+  const ChildResult result = Child("/usr/bin/env", {"-u", "DISPLAY", "-u", "WAYLAND_DISPLAY",
+                                                    EQUILUX_BIN_DIR "/equilux-session", "run"})
+                                 .wait();
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, AllOf(StartsWith("equilux-session: "), HasSubstr(missing)));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+}  // namespace
+}  // namespace equilux

@@ -1,0 +1,162 @@
+// kill -9 of equilux-render at random moments: nothing stands half written under its final name, and a run to
+// the end gives the bytes of an undisturbed one.
+#include <chrono>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <map>
+#include <thread>
+
+#include "base/digest.h"
+#include "base/random.h"
+#include "stimuli/exr_file.h"
+#include "stimuli/png_file.h"
+#include "tests/experiment/fake_study.h"
+#include "tests/renderer/tiny_study.h"
+#include "tests/walk/programs.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr int kKills = 10;
+
+std::vector<fs::path> list_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (!fs::exists(folder)) return files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  return files;
+}
+
+/// Everything that `set` made but times: file -> digest.
+std::map<std::string, std::string> digest_products(const fs::path& folder) {
+  std::map<std::string, std::string> digests;
+  for (const fs::path& file : list_files(folder)) {
+    if (file.filename() != "timing.json") digests[fs::relative(file, folder).string()] = digest_file(file);
+  }
+  return digests;
+}
+
+/// Loads the whole file, by its kind. errors: whatever loading throws
+void load_whole(const fs::path& file) {
+  if (file.extension() == ".exr") load_exr(file);
+  if (file.extension() == ".png") load_png(file);
+  if (file.extension() == ".json") parse_json(load_text(file), file.string());
+}
+
+/// Files that stand under their final names and are not whole.
+std::vector<std::string> find_damaged(const fs::path& folder) {
+  std::vector<std::string> damaged;
+  for (const fs::path& file : list_files(folder)) {
+    try {
+      load_whole(file);
+    } catch (const std::exception& error) {
+      damaged.push_back(file.filename().string());
+    }
+  }
+  return damaged;
+}
+
+int count_parts(const fs::path& folder) {
+  const auto files = list_files(folder);
+  return static_cast<int>(std::count_if(files.begin(), files.end(),
+                                        [](const fs::path& file) { return file.extension() == ".part"; }));
+}
+
+Words set_words(const test::TinyStudy& study, const fs::path& out, int threads) {
+  return {"set", study.path().string(), "--out", out.string(), "--threads", std::to_string(threads)};
+}
+
+class RenderSet : public ::testing::Test {
+ protected:
+  /// Kills a run after this share of an undisturbed run's time; false if it was over before.
+  bool kill_after(double share, int threads) {
+    Child child(EQUILUX_BIN_DIR "/equilux-render", set_words(study_, disturbed_, threads));
+    std::this_thread::sleep_for(share * whole_run_);
+    child.kill();
+    return child.wait().signal == SIGKILL;
+  }
+
+  test::TinyStudy study_;
+  TemporaryFolder temporary_;
+  fs::path undisturbed_ = temporary_.path() / "undisturbed", disturbed_ = temporary_.path() / "disturbed";
+  std::chrono::duration<double> whole_run_{};
+};
+
+// Seed 51: moments even over the time of an undisturbed run, 10 kills of running programs on 1, 2 and 3
+// threads by turns. A run that ends before its kill must have made the set; the folder is then emptied.
+TEST_F(RenderSet, KilledLeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
+  const auto start = std::chrono::steady_clock::now();
+  run_well("render", set_words(study_, undisturbed_, 2));
+  whole_run_ = std::chrono::steady_clock::now() - start;
+  const auto whole = digest_products(undisturbed_);
+  ASSERT_GT(whole.size(), 100u);
+  RandomStream random(51, "render kill", 0);
+  int kills = 0, in_mid_set = 0;
+  for (int run = 0; kills < kKills && run < 10 * kKills; ++run) {
+    if (kill_after(random.next_double(), 1 + run % 3)) {
+      ++kills;
+      const std::size_t left = digest_products(disturbed_).size();
+      in_mid_set += left > 3 && left < whole.size();
+      ASSERT_THAT(find_damaged(disturbed_), IsEmpty()) << "kill " << kills;
+    } else {
+      ASSERT_EQ(digest_products(disturbed_), whole) << "run " << run;
+      fs::remove_all(disturbed_);
+    }
+  }
+  RecordProperty("kills_in_mid_set", in_mid_set);
+  EXPECT_EQ(kills, kKills);
+  EXPECT_GE(in_mid_set, kKills / 2) << "kills must fall while layers and pictures are being made";
+  run_well("render", set_words(study_, disturbed_, 3));
+  EXPECT_EQ(digest_products(disturbed_), whole);
+}
+
+TEST_F(RenderSet, GivesTheSameBytesOnOneTwoAndThreeThreads) {
+  run_well("render", set_words(study_, undisturbed_, 1));
+  const auto whole = digest_products(undisturbed_);
+  for (int threads : {2, 3}) {
+    run_well("render", set_words(study_, disturbed_, threads));
+    EXPECT_EQ(digest_products(disturbed_), whole) << threads;
+    fs::remove_all(disturbed_);
+  }
+}
+
+// What a killed writer leaves beside its file is taken away by the next run; a writer that still runs keeps
+// its own.
+TEST_F(RenderSet, KilledLeavesHalfWrittenFilesThatTheNextRunRemoves) {
+  run_well("render", set_words(study_, disturbed_, 2));
+  const auto whole = digest_products(disturbed_);
+  const std::string dead = ".999999999.part", alive = fmt::format(".{}.part", ::getpid());
+  for (const std::string& file :
+       {std::string("manifest.json"), std::string("layers/G0-MS-ind-ref-v0.coverage.exr"),
+        std::string("pictures/G0-MS-ind-ref-v0.png")}) {
+    save_text(disturbed_ / (file + dead), "half");
+  }
+  save_text(disturbed_ / ("manifest.json" + alive), "half");
+  save_text(disturbed_ / "notes.part", "a person's own");
+  EXPECT_EQ(count_parts(disturbed_), 5);
+  run_well("render", set_words(study_, disturbed_, 2));
+  EXPECT_TRUE(fs::remove(disturbed_ / ("manifest.json" + alive)));
+  EXPECT_TRUE(fs::remove(disturbed_ / "notes.part"));
+  EXPECT_EQ(digest_products(disturbed_), whole);
+}
+
+// Mutants: a picture, a layer and a manifest that stop short.
+TEST_F(RenderSet, IsSeenByItsCheckWhereAFileIsCutShort) {
+  run_well("render", set_words(study_, disturbed_, 2));
+  ASSERT_THAT(find_damaged(disturbed_), IsEmpty());
+  for (const char* name :
+       {"manifest.json", "layers/G0-MS-ind-ref-v0.indirect.exr", "pictures/G0-MS-ind-ref-v0.png"}) {
+    const std::string bytes = load_text(disturbed_ / name);
+    fs::resize_file(disturbed_ / name, bytes.size() - 20);
+    EXPECT_THAT(find_damaged(disturbed_), ElementsAre(fs::path(name).filename().string()));
+    save_text(disturbed_ / name, bytes);
+  }
+}
+
+}  // namespace
+}  // namespace equilux
