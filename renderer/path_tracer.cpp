@@ -213,8 +213,8 @@ void check_finite(const FamilyLayers& layers) {
 }
 
 double paths_in(const Primary& primary, const PathCounts& paths, std::size_t first, std::size_t last) {
-  const double object = round_paths(paths.object_indirect, primary.positions) / primary.positions;
-  const double background = round_paths(paths.background, primary.positions) / primary.positions;
+  const int object = round_paths(paths.object_indirect, primary.positions) / primary.positions;
+  const int background = round_paths(paths.background, primary.positions) / primary.positions;
   double sum = 0;
   for (std::size_t i = first; i < last; ++i) {
     const PrimaryKind kind = primary.hits[i].kind;

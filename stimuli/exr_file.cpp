@@ -38,7 +38,7 @@ Imf::FrameBuffer make_frame_buffer(HdrImage& image, const Imath::V2i& origin) {
 }
 
 HdrImage make_image(const Imf::Header& header, const std::string& source) {
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   const auto width = std::int64_t{window.max.x} - window.min.x + 1,
              height = std::int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/program.h"
@@ -41,7 +42,7 @@ bool ask(AppWindow& window, Gui& gui, StartForm& form, bool& is_submitted) {
   is_submitted = draw_start(gui, window.framebuffer(), form) || is_submitted;
   gui.end_frame();
   window.swap();
-  if (is_submitted && !gui.has_events()) return true;
+  if (!gui.has_events() && std::exchange(is_submitted, false)) return true;
   window.wait(gui.has_events() ? 0 : kPatienceS);
   const auto events = window.take_events();
   gui.take(events);
@@ -56,7 +57,6 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
   bool is_submitted = false;
   while (!window.is_closing()) {
     if (!ask(window, gui, form, is_submitted)) continue;
-    is_submitted = false;
     form.takes_focus = true;
     try {
       return open_workplace(read_start_form(form, params), display, window);

@@ -15,7 +15,7 @@ std::filesystem::path find_picture(const StudyFolder& folder, const Manifest& ma
   if (found == manifest.pictures.end()) {
     throw InputError(folder.manifest().string(), "/pictures", "the picture " + key, "none");
   }
-  const std::filesystem::path path = folder.root / found->second.file;
+  std::filesystem::path path = folder.root / found->second.file;
   const std::string digest = digest_file(path);
   if (digest != found->second.digest) {
     throw InputError(path.string(), "", fmt::format("the digest {} of the manifest", found->second.digest),
