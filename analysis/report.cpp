@@ -110,7 +110,7 @@ fs::path write_report(const Report& report, const fs::path& folder) {
     save_text(folder / fmt::format("graph-{}.svg", format_key(object)),
               draw_graph(object, findings_of(report.findings, object), report.rule));
   }
-  const fs::path page = folder / "index.html";
+  fs::path page = folder / "index.html";
   save_text(page, format_page(report));
   return page;
 }
