@@ -92,7 +92,31 @@ void save_text(const fs::path& path, std::string_view text) {
   });
 }
 
+bool path_exists(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+void check_writable(const fs::path& path) {
+  std::error_code error;
+  if (path.empty() || !fs::is_directory(folder_of(path), error)) {
+    throw InputError(path.string(), "", "a file name in a folder that is there", "none such");
+  }
+  if (path_exists(path) && !is_file(path)) {
+    throw InputError(path.string(), "", "a regular file or a free name", "another kind");
+  }
+}
+
 void save_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  if (path_exists(path) && !is_file(path)) {
+    throw StoreError(fmt::format("{}: cannot write: expected a regular file or a free name, got another kind",
+                                 path.string()));
+  }
   const fs::path temporary = part_path(path, ::getpid());
   try {
     write(temporary);

@@ -2,6 +2,7 @@
 #include "base/program.h"
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <exception>
@@ -15,6 +16,7 @@ int run_program(const std::string& name, const std::function<int()>& body) {
     fmt::print(stderr, "{}: this build needs a processor with AVX2 and FMA (x86-64-v3)\n", name);
     return kExitError;
   }
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails a write, as a full disk does
   try {
     return body();
   } catch (const std::bad_alloc&) {

@@ -3,13 +3,14 @@
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "base/version.h"
 
 namespace equilux {
 namespace fs = std::filesystem;
 
 LayerStore::LayerStore(StudyFolder folder, const Study& study) : folder_(std::move(folder)) {
-  if (fs::exists(folder_.layers())) layers_ = load_layers(folder_.layers());
+  if (path_exists(folder_.layers())) layers_ = load_layers(folder_.layers());
   layers_.study_name = study.name;
   layers_.study_digest = study.digest;
   layers_.seed = study.seed;
@@ -19,7 +20,7 @@ bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
   const auto found = layers_.by_name.find(name);
   if (found == layers_.by_name.end() || found->second.made_from != recipe) return false;
   const fs::path path = folder_.root / found->second.file;
-  return fs::is_regular_file(path) && digest_file(path) == found->second.digest;
+  return is_file(path) && digest_file(path) == found->second.digest;
 }
 
 bool LayerStore::is_other(const std::string& name, const std::string& recipe) const {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "base/program.h"
 #include "base/version.h"
 #include "renderer/parallel.h"
@@ -15,6 +16,18 @@ namespace {
 
 using namespace equilux;
 namespace fs = std::filesystem;
+
+// Whole numbers that every file can hold; CLI11 alone would wrap or cut others.
+CLI::Validator is_seed() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        const std::string largest = "9223372036854775807";
+        const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+        const bool fits = text.size() < largest.size() || (text.size() == largest.size() && text <= largest);
+        return digits && fits ? std::string() : fmt::format("expected 0 to {}, got {}", largest, text);
+      },
+      "SEED", "seed");
+}
 
 void add_set(CLI::App& app, std::function<int()>& command, int& threads) {
   auto params = std::make_shared<SetParams>();
@@ -70,6 +83,8 @@ PictureParams to_params(const ImageOptions& options) {
 
 int write_image(const ImageOptions& options) {
   const PictureParams params = to_params(options);
+  check_writable(options.out);
+  if (!options.png.empty()) check_writable(options.png);
   const Picture picture = make_picture(params);
   ExrMetadata metadata{{"equilux_method", options.method},
                        {"equilux_seed", fmt::format("{}", params.seed)},
@@ -109,7 +124,7 @@ void add_image(CLI::App& app, std::function<int()>& command, int& threads) {
       ->check(CLI::Range(1, 64));
   image->add_option("--paths", options->paths, "Monte Carlo paths a pixel (256)")
       ->check(CLI::Range(1, 1000000));
-  image->add_option("--seed", options->params.seed, "Seed (1)");
+  image->add_option("--seed", options->params.seed, "Seed, 0 to 9223372036854775807 (1)")->check(is_seed());
   image->add_option("--threads", threads, "Threads; 0 for all cores")->check(CLI::Range(0, 4096));
   image->footer(
       "Example: equilux-render image stimuli/scenes/cafe.json --geometry G2 --material MS --method vpl "

@@ -27,7 +27,7 @@ Vec3 eval_brdf(const Material& material, Vec3 v, Vec3 l) {
 float pdf_glossy(float alpha, Vec3 v, Vec3 l) {
   const Vec3 h = normalize(v + l);
   const float hv = dot(h, v);
-  if (!(h.z > 0) || !(hv > 0) || !(v.z > 0)) return 0;
+  if (!(h.z > 0) || !(hv > 0) || !(v.z > 0) || !(l.z > 0)) return 0;
   const float a2 = alpha * alpha;
   return std::exp(-half_vector_tan2(v, l) / a2) / (4 * kPi * a2 * hv * h.z * h.z * h.z);
 }

@@ -40,7 +40,7 @@ Vec3 eval_brdf(const Material& material, Vec3 v, Vec3 l);
 /// The luminance-free glossy factor E / (4 pi alpha^2 cv cl), zero outside v.z > 0, l.z > 0.
 float eval_glossy(float alpha, Vec3 v, Vec3 l);
 
-/// Density of the glossy lobe's sampling about v over solid angle.
+/// Density of the glossy lobe's sampling about v over solid angle; zero where sample_glossy rejects.
 float pdf_glossy(float alpha, Vec3 v, Vec3 l);
 
 /// A direction of the glossy lobe; empty where it falls below the horizon (the path then ends with weight 0).

@@ -203,13 +203,16 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, FamilyLayers& layers) 
   store_standard_error({&background, &direct, &indirect}, layers.standard_error.pixel(pixel));
 }
 
-void check_finite(const FamilyLayers& layers) {
+// A picture with a value that is not finite fails as a whole: none is ever set to zero.
+void check_finite(const FamilyLayers& layers, const std::string& name) {
   std::size_t bad = 0;
   for (const HdrImage* layer :
        {&layers.background, &layers.direct, &layers.indirect, &layers.standard_error}) {
     for (float value : layer->values) bad += !std::isfinite(value);
   }
-  EQ_CHECK(bad == 0, bad);
+  if (bad > 0) {
+    throw InputError(name, "", "finite radiance in every pixel", fmt::format("{} values that are not", bad));
+  }
 }
 
 double paths_in(const Primary& primary, const PathCounts& paths, std::size_t first, std::size_t last) {
@@ -312,7 +315,7 @@ FamilyLayers trace_family(const World& world, const Materials& materials, const 
     const auto positions = static_cast<std::size_t>(primary.positions);
     progress(paths_in(primary, paths, first * positions, last * positions));
   });
-  check_finite(layers);
+  check_finite(layers, stream_name);
   return layers;
 }
 

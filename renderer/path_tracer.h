@@ -48,7 +48,7 @@ struct FamilyLayers {
 int round_paths(int paths, int positions);
 
 /// `progress` is told the paths done, from any thread.
-/// errors: CheckFailure if any radiance is not finite, with the number of such pixels.
+/// errors: InputError naming the stream if any radiance is not finite, with their number.
 FamilyLayers trace_family(const World& world, const Materials& materials, const Primary& primary,
                           const PathCounts& paths, std::uint64_t seed, const std::string& stream_name,
                           const std::function<void(double)>& progress);

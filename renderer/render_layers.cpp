@@ -7,7 +7,6 @@
 #include "base/progress.h"
 #include "renderer/path_tracer.h"
 #include "renderer/shade.h"
-#include "renderer/wanted.h"
 
 namespace equilux {
 namespace {
@@ -69,6 +68,7 @@ double estimate_work(const Study& study, const Scene& scene, const World& world,
 }
 
 struct GroupJob {
+  const Recipes& recipes;
   const Study& study;
   const Scene& scene;
   const World& world;
@@ -82,7 +82,7 @@ Materials materials_of(const GroupJob& job, const std::string& material) {
 }
 
 void render_family(const GroupJob& job, const Primary& primary, const Family& family) {
-  const std::string recipe = digest_family_recipe(job.study, job.scene, family);
+  const std::string recipe = digest_family_recipe(job.recipes, family);
   FamilyLayers layers;
   {
     const Stopwatch watch(job.seconds["references"]);
@@ -154,7 +154,7 @@ void render_vpl_layers(const GroupJob& job, const GroupKey& group, int view, con
       HdrImage layer(primary.width, primary.height);
       add_to_layer(shared, index, level, points, primary.positions, layer);
       add_to_layer(own, 0, level, points, primary.positions, layer);
-      job.store.save(vpl_layer_name(condition), digest_vpl_recipe(job.study, job.scene, condition), layer,
+      job.store.save(vpl_layer_name(condition), digest_vpl_recipe(job.recipes, condition), layer,
                      {{"equilux_clamp_per_m2", fmt::format("{}", clamps[level])},
                       {"equilux_vpl_count", fmt::format("{}", sets[index].count())}},
                      sets[index].count());
@@ -190,8 +190,9 @@ void render_view(const GroupJob& job, const GroupKey& group, const MissingLayers
 
 }  // namespace
 
-std::map<std::string, double> render_layers(const Study& study, const Scene& scene,
+std::map<std::string, double> render_layers(const Recipes& recipes, const Scene& scene,
                                             const MissingLayers& missing, LayerStore& store) {
+  const Study& study = recipes.study;
   std::map<std::string, double> seconds;
   const auto groups = group_layers(missing);
   std::map<GroupKey, World> worlds;
@@ -206,7 +207,7 @@ std::map<std::string, double> render_layers(const Study& study, const Scene& sce
   }
   Progress progress("rendering", work);
   for (const auto& [key, group] : groups) {
-    const GroupJob job{study, scene, worlds.at(key), store, progress, seconds};
+    const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds};
     std::map<std::int64_t, std::int64_t> path_counts;
     for (int view = 0; view < kViewCount; ++view) render_view(job, key, group, view, path_counts);
     worlds.erase(key);

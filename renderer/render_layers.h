@@ -8,6 +8,7 @@
 
 #include "protocols/study.h"
 #include "renderer/layer_store.h"
+#include "renderer/wanted.h"
 #include "stimuli/scene.h"
 
 namespace equilux {
@@ -20,7 +21,7 @@ struct MissingLayers {
 };
 
 /// Renders them; each layer is recorded as soon as it is whole. Gives the seconds by stage.
-std::map<std::string, double> render_layers(const Study& study, const Scene& scene,
+std::map<std::string, double> render_layers(const Recipes& recipes, const Scene& scene,
                                             const MissingLayers& missing, LayerStore& store);
 
 }  // namespace equilux

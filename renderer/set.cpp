@@ -1,21 +1,18 @@
 // A set: check, render what is missing, tone-map, tell.
 #include "renderer/set.h"
 
+#include <algorithm>
 #include <chrono>
 #include <set>
-#include <unistd.h>
 
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "base/program.h"
 #include "base/progress.h"
-#include "base/version.h"
 #include "renderer/layer_store.h"
-#include "renderer/parallel.h"
+#include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
-#include "renderer/wanted.h"
-#include "stimuli/png_file.h"
+#include "renderer/timing.h"
 
 namespace equilux {
 namespace {
@@ -25,33 +22,42 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// True once subjects may have seen pictures: the session program makes the log with its first session.
-bool has_sessions(const StudyFolder& folder) { return fs::exists(folder.responses()); }
+// What was shown was of one study: that of study.json, or of the manifest where it is lost.
+void check_same_study(const StudyFolder& folder, const Study& study) {
+  std::string shown = study.digest;
+  if (path_exists(folder.study())) {
+    shown = load_study(folder.study()).digest;
+  } else if (path_exists(folder.manifest())) {
+    shown = load_manifest(folder.manifest()).study_digest;
+  }
+  if (shown != study.digest) refuse_change(folder, "another study");
+}
 
-[[noreturn]] void refuse_change(const StudyFolder& folder, const std::string& what) {
-  throw InputError(folder.root.string(), "",
-                   "what its sessions have seen: " + folder.responses().string() + " exists",
-                   what + "; render into a new folder");
+// Windows and truth are a person's to edit once they are here; what cannot be used is not copied.
+template <typename Load>
+void copy_once(const fs::path& source, const fs::path& target, const Study& study, const Load& load) {
+  if (!path_exists(target)) {
+    load(source, study);
+    save_text(target, load_text(source));
+  }
+  load(target, study);
 }
 
 void prepare_folder(const StudyFolder& folder, const Study& study) {
-  if (has_sessions(folder) && fs::exists(folder.study())) {
-    if (load_study(folder.study()).digest != study.digest) refuse_change(folder, "another study");
-  }
+  if (has_sessions(folder)) check_same_study(folder, study);
   for (const fs::path& part : {folder.root, folder.layer_folder(), folder.picture_folder()}) {
     make_folder(part);
     remove_stale_parts(part);
   }
+  // What is damaged is said before hours of work, not after.
+  if (path_exists(folder.manifest())) load_manifest(folder.manifest());
+  load_timing(folder);
+  copy_once(study.windows_path, folder.windows(), study, load_windows);
+  copy_once(study.truth_path, folder.truth(), study, load_truth);
   save_text(folder.study(), format_json(study.source));
-  // Windows and truth are a person's to edit once they are here.
-  if (!fs::exists(folder.windows())) save_text(folder.windows(), load_text(study.windows_path));
-  if (!fs::exists(folder.truth())) save_text(folder.truth(), load_text(study.truth_path));
-  load_windows(folder.windows(), study);
-  load_truth(folder.truth(), study);
-  if (fs::exists(folder.manifest())) load_manifest(folder.manifest());  // before hours of work, not after
 }
 
-MissingLayers find_missing(const Study& study, const Scene& scene, const Wanted& wanted, LayerStore& store,
+MissingLayers find_missing(const Recipes& recipes, const Wanted& wanted, LayerStore& store,
                            const StudyFolder& folder) {
   const bool locked = has_sessions(folder);
   const auto is_missing = [&](const std::string& name, const std::string& recipe) {
@@ -60,7 +66,7 @@ MissingLayers find_missing(const Study& study, const Scene& scene, const Wanted&
   };
   MissingLayers missing;
   for (const Family& family : wanted.families) {
-    const std::string recipe = digest_family_recipe(study, scene, family);
+    const std::string recipe = digest_family_recipe(recipes, family);
     bool lacks = false;
     for (const char* content : kFamilyContents) lacks |= is_missing(layer_name(family, content), recipe);
     if (lacks) missing.families.push_back(family);
@@ -71,8 +77,7 @@ MissingLayers find_missing(const Study& study, const Scene& scene, const Wanted&
       condition.cell = {condition.cell.column, level, false};
       const std::string name = vpl_layer_name(condition);
       if (!seen.insert(name).second) continue;
-      if (is_missing(name, digest_vpl_recipe(study, scene, condition)))
-        missing.conditions.push_back(condition);
+      if (is_missing(name, digest_vpl_recipe(recipes, condition))) missing.conditions.push_back(condition);
     }
   }
   return missing;
@@ -109,60 +114,6 @@ LoadedFamily load_family(const Study& study, const LayerStore& store, const Fami
   return loaded;
 }
 
-// Pictures on disk and their records; a picture that may have been shown is never replaced by another.
-class PictureStore {
- public:
-  PictureStore(StudyFolder folder, const Study& study)
-      : folder_(std::move(folder)), locked_(has_sessions(folder_)) {
-    if (fs::exists(folder_.manifest())) manifest_ = load_manifest(folder_.manifest());
-    manifest_.study_name = study.name;
-    manifest_.study_digest = study.digest;
-    manifest_.seed = study.seed;
-    manifest_.width = study.width;
-    manifest_.height = study.height;
-    drop_others(study);
-  }
-
-  bool is_whole(const std::string& key, const std::string& made_from) const {
-    const auto found = manifest_.pictures.find(key);
-    if (found == manifest_.pictures.end() || found->second.made_from != made_from) return false;
-    const fs::path path = folder_.root / found->second.file;
-    return fs::is_regular_file(path) && digest_file(path) == found->second.digest;
-  }
-
-  void save(const std::string& key, const std::string& made_from, const LdrImage& picture,
-            Json standard_error) {
-    const std::string bytes = encode_png(picture);
-    const std::string digest = digest_text(bytes);
-    const auto found = manifest_.pictures.find(key);
-    if (locked_ && found != manifest_.pictures.end() && found->second.digest != digest) {
-      refuse_change(folder_, "another " + key);
-    }
-    const std::string file = "pictures/" + key + ".png";
-    save_text(folder_.root / file, bytes);
-    manifest_.pictures[key] = {file, digest, made_from, std::move(standard_error)};
-  }
-
-  void set_tone(const std::string& reference_key, const ToneRecord& tone) {
-    manifest_.tones[reference_key] = tone;
-  }
-  void save_record() const { save_manifest(manifest_, folder_.manifest()); }
-
- private:
-  // Records of an earlier study of this folder that the present one does not have.
-  void drop_others(const Study& study) {
-    std::set<std::string> known;
-    for (const Condition& condition : enumerate_conditions(study)) known.insert(format_key(condition));
-    for (const Family& family : enumerate_references(study)) known.insert(format_key(family));
-    std::erase_if(manifest_.pictures, [&](const auto& entry) { return !known.contains(entry.first); });
-    std::erase_if(manifest_.tones, [&](const auto& entry) { return !known.contains(entry.first); });
-  }
-
-  StudyFolder folder_;
-  bool locked_;
-  Manifest manifest_;
-};
-
 HdrImage load_vpl_layer(const LayerStore& store, Condition condition) {
   HdrImage layer = store.load(vpl_layer_name(condition));
   if (!condition.cell.normalised) return layer;
@@ -186,11 +137,26 @@ Json make_json(const DisplayNoise& noise) {
   return json;
 }
 
+bool is_black(const HdrImage& image) {
+  return std::all_of(image.values.begin(), image.values.end(), [](float value) { return value == 0; });
+}
+
+// Pictures without an object or without light are legal, and hardly ever meant.
+void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSummary& summary) {
+  if (is_black(loaded.coverage)) {
+    summary.warnings.push_back(key + ": the object is not in the picture");
+  } else if (is_black(loaded.indirect) && is_black(loaded.direct)) {
+    summary.warnings.push_back(key + ": no light reaches the object");
+  }
+  if (is_black(loaded.background)) summary.warnings.push_back(key + ": the background is black");
+}
+
 void tonemap_family(const Study& study, const LayerStore& store, const Family& family,
                     const std::vector<Condition>& conditions, PictureStore& pictures, SetSummary& summary) {
   const LoadedFamily loaded = load_family(study, store, family);
   const std::string key = format_key(family);
   summary.noise[key] = loaded.noise;
+  warn_of_emptiness(loaded, key, summary);
   pictures.set_tone(key, loaded.tone);
   const auto write = [&](const std::string& picture_key, const std::string& made_from,
                          const auto& make_indirect, Json standard_error) {
@@ -227,32 +193,6 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   summary.seconds["pictures"] += seconds_since(start);
 }
 
-std::string processor_isa() { return __builtin_cpu_supports("avx512f") ? "avx512" : "avx2"; }
-
-// Times, host and instruction set of every run that rendered something; no digest covers this file.
-void append_timing(const StudyFolder& folder, const SetSummary& summary) {
-  Json json;
-  if (fs::exists(folder.timing())) {
-    json = parse_json(load_text(folder.timing()), folder.timing().string());
-  } else {
-    json.set("schema", "equilux-timing").set("schema_version", 1).set("runs", Json::Array{});
-  }
-  char host[256] = {};
-  gethostname(host, sizeof host - 1);
-  Json seconds;
-  for (const auto& [stage, time] : summary.seconds) seconds.set(stage, time);
-  Json run;
-  run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", std::string(host));
-  run.set("built_for", "x86-64-v3").set("processor_has", processor_isa());
-  run.set("threads", count_threads());
-  run.set("layers_rendered", summary.layers_rendered).set("pictures_written", summary.pictures_written);
-  run.set("seconds", std::move(seconds));
-  Json runs = json.find("runs") ? *json.find("runs") : Json(Json::Array{});
-  runs.push(std::move(run));
-  json.set("runs", std::move(runs));
-  save_text(folder.timing(), format_json(json));
-}
-
 }  // namespace
 
 SetSummary make_set(const SetParams& params) {
@@ -260,20 +200,20 @@ SetSummary make_set(const SetParams& params) {
   const Study study = load_study(params.study_path);
   const Scene scene = load_scene(study.scene_path);
   const Wanted wanted = enumerate_wanted(study, params.only);
-  for (const Family& family : wanted.families)
-    digest_scene_part(scene, family.object);  // names what the scene lacks
+  const Recipes recipes = make_recipes(study, scene, wanted);
   const StudyFolder folder{params.folder};
   prepare_folder(folder, study);
   LayerStore store(folder, study);
-  const MissingLayers missing = find_missing(study, scene, wanted, store, folder);
+  const MissingLayers missing = find_missing(recipes, wanted, store, folder);
   SetSummary summary;
   summary.target = study.noise_target;
   summary.layers_rendered = missing.families.size() * std::size(kFamilyContents) + missing.conditions.size();
   summary.seconds["checking"] = seconds_since(start);
-  if (!missing.empty()) summary.seconds.merge(render_layers(study, scene, missing, store));
+  if (!missing.empty()) summary.seconds.merge(render_layers(recipes, scene, missing, store));
   store.save_record();
   tonemap_wanted(study, folder, store, wanted, summary);
-  if (summary.layers_rendered + summary.pictures_written > 0) append_timing(folder, summary);
+  if (summary.layers_rendered + summary.pictures_written > 0)
+    append_timing(folder, summary.seconds, summary.layers_rendered, summary.pictures_written);
   return summary;
 }
 
@@ -301,6 +241,7 @@ std::string format_summary(const SetSummary& summary) {
     text += fmt::format("{:<22}{:>12.2f}{:>12.2f}{:>14.2f}  {}\n", key, noise.object_mean, noise.object_p99,
                         noise.outside_mean, meets_target(noise, target) ? "MET" : "MISSED");
   }
+  for (const std::string& warning : summary.warnings) text += "warning: " + warning + "\n";
   return text;
 }
 

@@ -25,6 +25,7 @@ struct SetSummary {
   std::map<std::string, double> seconds;
   std::map<std::string, DisplayNoise> noise;  ///< by key of the reference
   NoiseTarget target;
+  std::vector<std::string> warnings;  ///< what is legal and hardly ever meant
 };
 
 /// Renders what is missing, then tone-maps. What is whole on disk and made from the same is kept; a run that

@@ -12,18 +12,18 @@ namespace {
 
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
-constexpr int kPathEstimator = 1;
-constexpr int kVplEstimator = 1;
+constexpr int kPathEstimator = 2;
+constexpr int kVplEstimator = 2;
 
 bool matches(const std::string& key, const std::string& glob) {
   return fnmatch(glob.c_str(), key.c_str(), 0) == 0;
 }
 
-Json common_recipe(const Study& study, const Scene& scene, const Object& object, int view) {
+Json common_recipe(const Recipes& recipes, const Object& object, int view) {
+  const Study& study = recipes.study;
   Json json;
-  json.set("scene", digest_scene_part(scene, object))
-      .set("view", view)
-      .set("illumination", format_illumination(object.illumination));
+  json.set("scene", recipes.scene_parts.at(object)).set("view", view);
+  json.set("illumination", format_illumination(object.illumination));
   json.set("width", study.width).set("height", study.height).set("positions", study.subpixel_positions);
   json.set("seed", study.seed);
   return json;
@@ -63,17 +63,27 @@ std::set<int> needed_levels(const Condition& condition) {
   return levels;
 }
 
-std::string digest_family_recipe(const Study& study, const Scene& scene, const Family& family) {
-  Json json = common_recipe(study, scene, family.object, family.view);
+Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted) {
+  Recipes recipes{study, {}};
+  for (const Family& family : wanted.families) {
+    const auto [part, added] = recipes.scene_parts.try_emplace(family.object);
+    if (added) part->second = digest_scene_part(scene, family.object);
+  }
+  return recipes;
+}
+
+std::string digest_family_recipe(const Recipes& recipes, const Family& family) {
+  const PathCounts& paths = recipes.study.paths;
+  Json json = common_recipe(recipes, family.object, family.view);
   json.set("estimator", "path").set("estimator_version", kPathEstimator);
-  json.set("paths_indirect", study.paths.object_indirect).set("paths_direct", study.paths.object_direct);
-  json.set("paths_background", study.paths.background);
+  json.set("paths_indirect", paths.object_indirect).set("paths_direct", paths.object_direct);
+  json.set("paths_background", paths.background);
   return digest_json(json);
 }
 
-std::string digest_vpl_recipe(const Study& study, const Scene& scene, const Condition& condition) {
+std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition) {
   const Column& column = condition.cell.column;
-  Json json = common_recipe(study, scene, column.object, condition.view);
+  Json json = common_recipe(recipes, column.object, condition.view);
   json.set("estimator", "vpl-sum").set("estimator_version", kVplEstimator).set("emission", "lambertian");
   json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));
   return digest_json(json);

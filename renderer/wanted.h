@@ -1,6 +1,7 @@
 // What a study (or the part of it that a glob names) needs: pictures, and the layers under them.
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -29,9 +30,17 @@ std::string vpl_layer_name(Condition condition);
 /// Clamp levels whose layers these pictures need: their own, and C0 where they are normalised.
 std::set<int> needed_levels(const Condition& condition);
 
-/// What a layer is made from: scene part, size, positions, seed, parameters of the estimator. Never the
+/// What layers are made from: scene part, size, positions, seed, parameters of the estimator. Never the
 /// program's version.
-std::string digest_family_recipe(const Study& study, const Scene& scene, const Family& family);
-std::string digest_vpl_recipe(const Study& study, const Scene& scene, const Condition& condition);
+struct Recipes {
+  const Study& study;
+  std::map<Object, std::string> scene_parts;
+};
+
+/// Reads every mesh file that these objects need. errors: InputError for what the scene lacks.
+Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted);
+
+std::string digest_family_recipe(const Recipes& recipes, const Family& family);
+std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition);
 
 }  // namespace equilux

@@ -115,8 +115,7 @@ std::string encode_exr(HdrImage image, const ExrMetadata& metadata) {
 }  // namespace
 
 ExrFile load_exr(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path))
-    throw InputError(path.string(), "", "an EXR file", "no such file");
+  if (!is_file(path)) throw InputError(path.string(), "", "an EXR file", "no such file");
   try {  // the boundary to a library that throws its own
     return read_exr(path);
   } catch (const InputError&) {

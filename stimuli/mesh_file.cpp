@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "stimuli/mesh.h"
 
 namespace equilux {
@@ -95,8 +96,7 @@ void check_ply_header(const std::filesystem::path& path) {
 }  // namespace
 
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) {
-  if (!std::filesystem::is_regular_file(path))
-    throw InputError(path.string(), "", "a mesh file", "no such file");
+  if (!is_file(path)) throw InputError(path.string(), "", "a mesh file", "no such file");
   check_ply_header(path);
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);

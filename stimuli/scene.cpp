@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 constexpr float kViewTurnDegrees = 15;
+constexpr std::size_t kMaxGroupParts = 10000;
 constexpr const char* kMeshKinds[] = {"quad", "box", "lathe", "sweep", "sphere", "blob", "file", "group"};
 
 Json to_json(Vec3 v) {
@@ -39,6 +40,13 @@ MaterialSpec make_material(const Json& json, const std::string& source, const st
   if (glossy) {
     material.rho_s = to_vec(json.at("rho_s"));
     material.roughness_alpha = static_cast<float>(json.at("alpha").as_double());
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const double sum = json.at("rho_d").at(channel).as_double() + json.at("rho_s").at(channel).as_double();
+      if (sum > 1 + 1e-9) {
+        throw InputError(source, place + "/rho_s", "rho_d + rho_s of at most 1 in each channel",
+                         fmt::format("{}", sum));
+      }
+    }
   }
   return material;
 }
@@ -111,8 +119,12 @@ Json check_mesh(const Json& json, const std::string& source, const std::string& 
 }
 
 // Groups may use only meshes that stand before them, which keeps them free of cycles.
-void check_group(const Json& json, const std::map<std::string, Json>& known, const std::string& source,
+// `parts` counts what each mesh comes to; a group of groups of groups must not outgrow memory.
+void check_group(const Json& json, const std::map<std::string, Json>& known,
+                 std::map<std::string, std::size_t>& parts, const std::string& source,
                  const std::string& place) {
+  std::size_t& count = parts[json.at("name").as_string()];
+  count = 1;
   const Json* group = json.find("group");
   if (!group) return;
   for (std::size_t i = 0; i < group->as_array().size(); ++i) {
@@ -120,6 +132,11 @@ void check_group(const Json& json, const std::map<std::string, Json>& known, con
     if (!known.contains(name)) {
       throw InputError(source, fmt::format("{}/group/{}/mesh", place, i),
                        "a mesh that stands before this one", fmt::format("\"{}\"", name));
+    }
+    count += parts[name];
+    if (count > kMaxGroupParts) {
+      throw InputError(source, place + "/group", fmt::format("at most {} parts in all", kMaxGroupParts),
+                       "more");
     }
   }
 }
@@ -135,8 +152,9 @@ void check_known(bool known, const std::string& source, const std::string& place
 }
 
 void read_meshes(Scene& scene, const Json& json, const std::string& source) {
+  std::map<std::string, std::size_t> parts;
   for_each_row(json.at("meshes"), "/meshes", [&](const Json& row, const std::string& place) {
-    check_group(row, scene.meshes, source, place);
+    check_group(row, scene.meshes, parts, source, place);
     if (!scene.meshes.emplace(row.at("name").as_string(), check_mesh(row, source, place)).second) {
       throw InputError(source, place + "/name", "each name once", describe_json(row.at("name")) + " again");
     }
@@ -229,14 +247,23 @@ Json light_content(const Light& light) {
   return json;
 }
 
-// A mesh's specification without its name; files count with their bytes, groups with what they join.
+// What was read, so that files beside the one that is named count too.
+std::string digest_mesh(const TriangleMesh& mesh) {
+  const auto bytes = [](const auto& values) {
+    return std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  return digest_text(digest_text(bytes(mesh.positions)) + digest_text(bytes(mesh.normals)) +
+                     digest_text(bytes(mesh.triangles)));
+}
+
+// A mesh's specification without its name; files count with what they hold, groups with what they join.
 Json mesh_content(const Scene& scene, const std::string& name) {
   const Json& spec = scene.meshes.at(name);
   Json json;
   for (const char* kind : kMeshKinds) {
     if (const Json* found = spec.find(kind)) json.set(kind, *found);
   }
-  if (spec.find("file")) json.set("bytes", digest_file(find_mesh_file(scene, name)));
+  if (spec.find("file")) json.set("content", digest_mesh(make_mesh(scene, name)));
   if (const Json* group = spec.find("group")) {
     Json parts{Json::Array{}};
     for (const Json& part : group->as_array()) {

@@ -1,5 +1,6 @@
 // From a mesh's specification in a scene to its triangles.
 #include "base/error.h"
+#include "base/files.h"
 #include "stimuli/generators.h"
 #include "stimuli/scene_json.h"
 
@@ -64,7 +65,7 @@ TriangleMesh make_group(const Scene& scene, const Json& spec) {
 std::filesystem::path find_mesh_file(const Scene& scene, const std::string& mesh) {
   const Json& spec = scene.meshes.at(mesh).at("file");
   auto path = scene.path.parent_path() / spec.at("path").as_string();
-  if (std::filesystem::exists(path)) return path;
+  if (path_exists(path)) return path;
   const Json* fetch = spec.find("fetch");
   throw InputError(scene.path.string(), fmt::format("mesh \"{}\"", mesh),
                    fmt::format("the file {}", path.string()),

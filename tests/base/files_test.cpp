@@ -2,6 +2,7 @@
 #include "base/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -58,9 +59,27 @@ TEST(SaveText, IntoAMissingFolderIsAStoreErrorThatNamesThePath) {
 TEST(SaveText, OverAFolderIsAStoreErrorAndLeavesNoTemporary) {
   const TempFolder folder;
   folder.write("a/inner", "kept");
-  EXPECT_THAT(message_of<StoreError>([&] { save_text(folder / "a", "x"); }), HasSubstr("a: cannot rename"));
+  EXPECT_THAT(message_of<StoreError>([&] { save_text(folder / "a", "x"); }),
+              HasSubstr("a: cannot write: expected a regular file"));
   EXPECT_EQ(load_text(folder / "a/inner"), "kept");
   EXPECT_EQ(folder.entry_count(), 1);
+}
+
+TEST(SaveText, NeverReplacesWhatIsNoRegularFile) {
+  const TempFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(save_text(folder / "pipe", "x"), StoreError);
+  EXPECT_TRUE(std::filesystem::is_fifo(folder / "pipe"));
+}
+
+TEST(CheckWritable, RefusesFoldersPipesAndMissingParentsBeforeTheWork) {
+  const TempFolder folder;
+  folder.write("file", "x");
+  EXPECT_NO_THROW(check_writable(folder / "file"));
+  EXPECT_NO_THROW(check_writable(folder / "new"));
+  EXPECT_THROW(check_writable(folder.path()), InputError);
+  EXPECT_THROW(check_writable(folder / "missing/new"), InputError);
+  EXPECT_THROW(check_writable(""), InputError);
 }
 
 TEST(SaveAtomically, ThatIsInterruptedByAnExceptionLeavesNothing) {

@@ -189,6 +189,15 @@ TEST(Material, AMutantDensityWrongByTwoPercentIsCaught) {
   EXPECT_LT(fit_glossy(.15f, 30, 1, .98).p, .001);
 }
 
+// Directions that sample_glossy rejects must have no density: mixtures with another lobe would otherwise lose
+// light there.
+TEST(Material, TheGlossyDensityIsZeroWhereSamplesAreRejected) {
+  const Vec3 v = direction(80);
+  for (double degrees : {90.5, 95.0, 120.0})
+    EXPECT_EQ(pdf_glossy(.5f, v, direction(degrees, std::numbers::pi)), 0) << degrees;
+  EXPECT_GT(pdf_glossy(.5f, v, direction(85, std::numbers::pi)), 0);
+}
+
 TEST(Material, SamplingWeightsAverageToTheAlbedo) {
   const Material material = ward(.15f);
   for (double degrees : {0.0, 45.0, 75.0}) {

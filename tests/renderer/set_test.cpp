@@ -144,6 +144,53 @@ TEST(Set, AFolderWithSessionsRefusesToChangeAPictureThatMayHaveBeenShown) {
   EXPECT_EQ(digest_products(study.folder() / "set"), whole);
 }
 
+TEST(Set, AFolderWithSessionsKnowsItsStudyAlsoWithoutTheStudyFile) {
+  const test::TinyStudy study;
+  render(study, "set", "G0-MS-ind-100-C4-v0");
+  save_text(study.folder() / "set/responses.sqlite", "a session's log stands here");
+  fs::remove(study.folder() / "set/study.json");
+  const test::TinyStudy other(study.folder(), 99);
+  EXPECT_THROW(render(other, "set", "G0-MS-ind-100-C4-v0"), InputError);
+  EXPECT_FALSE(fs::exists(study.folder() / "set/study.json"));
+  EXPECT_EQ(render(study, "set", "G0-MS-ind-100-C4-v0").pictures_written, 0u);
+}
+
+TEST(Set, WindowsThatCannotBeUsedAreNotCopiedIntoTheFolder) {
+  const test::TinyStudy study;
+  const std::string good = load_text(study.folder() / "windows.json");
+  save_text(study.folder() / "windows.json", "{}");
+  EXPECT_THROW(render(study, "set", "G0-MS-ind-ref-v0"), InputError);
+  EXPECT_FALSE(fs::exists(study.folder() / "set/windows.json"));
+  save_text(study.folder() / "windows.json", good);
+  EXPECT_NO_THROW(render(study, "set", "G0-MS-ind-ref-v0"));
+}
+
+TEST(Set, ADamagedTimingFileIsSaidBeforeTheWork) {
+  const test::TinyStudy study;
+  fs::create_directories(study.folder() / "set");
+  for (const char* text : {"{", "[1]", R"({"runs":5})"}) {
+    save_text(study.folder() / "set/timing.json", text);
+    EXPECT_THROW(render(study, "set", "G0-MS-ind-ref-v0"), InputError) << text;
+    EXPECT_FALSE(fs::exists(study.folder() / "set/layers.json")) << text;
+  }
+}
+
+TEST(Set, AnObjectThatIsNotInThePictureIsWarnedOf) {
+  const test::TinyStudy study;
+  Json scene = parse_json(load_text(std::string(EQUILUX_SOURCE_DIR) + "/stimuli/scenes/cafe.json"), "cafe");
+  Json object = scene.at("object");
+  object.set("stand", parse_json("[0, 0, -50]", ""));
+  scene.set("object", object);
+  save_text(study.folder() / "scene.json", format_json(scene));
+  Json text = parse_json(load_text(study.path()), "study");
+  text.set("scene", "scene.json");
+  save_text(study.folder() / "away.json", format_json(text));
+  const auto summary = make_set({study.folder() / "away.json", study.folder() / "away", "G0-MS-ind-ref-v0"});
+  ASSERT_EQ(summary.warnings.size(), 1u);
+  EXPECT_NE(summary.warnings[0].find("G0-MS-ind-ref-v0: the object is not in the picture"),
+            std::string::npos);
+}
+
 TEST(Set, AGlobThatNamesNothingIsAnInputError) {
   const test::TinyStudy study;
   EXPECT_THROW(render(study, "set", "G9-*"), InputError);

@@ -1,0 +1,44 @@
+// The pictures of a study folder and their records. One that may have been shown is never replaced by
+// another.
+#pragma once
+
+#include <string>
+
+#include "stimuli/image.h"
+#include "stimuli/manifest.h"
+#include "stimuli/study_folder.h"
+
+namespace equilux {
+
+/// True once subjects may have seen pictures: the session program makes the log with its first session.
+bool has_sessions(const StudyFolder& folder);
+
+/// errors: always InputError: `what` would change the pictures of a folder with sessions.
+[[noreturn]] void refuse_change(const StudyFolder& folder, const std::string& what);
+
+class PictureStore {
+ public:
+  /// Opens what an earlier run left; records of pictures that the study does not have are dropped.
+  PictureStore(StudyFolder folder, const Study& study);
+
+  /// True if the picture is on disk as recorded and was made from this.
+  bool is_whole(const std::string& key, const std::string& made_from) const;
+
+  /// errors: InputError if the picture may have been shown and is another now; StoreError.
+  void save(const std::string& key, const std::string& made_from, const LdrImage& picture,
+            Json standard_error);
+
+  void set_tone(const std::string& reference_key, const ToneRecord& tone);
+
+  /// Writes manifest.json. errors: StoreError
+  void save_record() const;
+
+ private:
+  void drop_others(const Study& study);
+
+  StudyFolder folder_;
+  bool locked_;
+  Manifest manifest_;
+};
+
+}  // namespace equilux
