@@ -1,0 +1,25 @@
+// The subcommands of equilux-render: each adds itself to the command line and says there what it will do.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace equilux {
+
+/// What the words of one call come to.
+struct CommandLine {
+  std::function<int()> command;  ///< of the subcommand that was named; gives the exit code
+  int threads = 0;               ///< 0 for all cores
+};
+
+void add_set(CLI::App& app, CommandLine& line);
+void add_image(CLI::App& app, CommandLine& line);
+void add_tonemap(CLI::App& app, CommandLine& line);
+
+/// The option --threads of a subcommand.
+void add_threads(CLI::App& subcommand, CommandLine& line);
+
+/// Whole numbers that every file can hold; CLI11 alone would wrap or cut others.
+CLI::Validator is_seed();
+
+}  // namespace equilux

@@ -1,0 +1,43 @@
+// equilux-render set, tonemap: the pictures of a study.
+#include <fmt/format.h>
+
+#include "base/program.h"
+#include "renderer/commands.h"
+#include "renderer/set.h"
+
+namespace equilux {
+
+void add_set(CLI::App& app, CommandLine& line) {
+  auto params = std::make_shared<SetParams>();
+  CLI::App* set =
+      app.add_subcommand("set", "Render and tone-map the stimulus set of a study; goes on where it stopped");
+  set->add_option("study", params->study_path, "Study file")->required();
+  set->add_option("--out", params->folder, "Study folder to make or complete")->required();
+  set->add_option("--only", params->only, "Glob over keys of pictures and references");
+  add_threads(*set, line);
+  set->footer("Example: equilux-render set protocols/pocket.json --out studies/pocket --only 'G0-MS-*'");
+  set->callback([&line, params] {
+    line.command = [params] {
+      fmt::print("{}", format_summary(make_set(*params)));
+      fmt::print("\n{}\n", params->folder.string());
+      return kExitOk;
+    };
+  });
+}
+
+void add_tonemap(CLI::App& app, CommandLine& line) {
+  auto folder = std::make_shared<std::filesystem::path>();
+  auto only = std::make_shared<std::string>("*");
+  CLI::App* tonemap = app.add_subcommand("tonemap", "Make the pictures of a study folder from its layers");
+  tonemap->add_option("folder", *folder, "Study folder")->required();
+  tonemap->add_option("--only", *only, "Glob over keys of pictures and references");
+  tonemap->footer("Example: equilux-render tonemap studies/pocket");
+  tonemap->callback([&line, folder, only] {
+    line.command = [folder, only] {
+      fmt::print("{}", format_summary(tonemap_set(*folder, *only)));
+      return kExitOk;
+    };
+  });
+}
+
+}  // namespace equilux
