@@ -1,6 +1,7 @@
 // Where a long job says how far it is.
 #include "base/progress.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
@@ -43,6 +44,11 @@ void Progress::advance(double work) {
     last_print_s_ = seconds;
     last_share_ = share;
   }
+}
+
+void Progress::expect_more(double work) {
+  const std::lock_guard lock(mutex_);
+  total_ = std::max(done_, total_ + work);
 }
 
 void Progress::print(double seconds) {

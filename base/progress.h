@@ -19,6 +19,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void advance(double work);
+  /// There is so much more to do (or less) than was said before.
+  void expect_more(double work);
 
  private:
   void print(double seconds);

@@ -101,10 +101,12 @@ Study load_study(const fs::path& path) {
   study.width = static_cast<int>(json.at("image").at("width").as_int());
   study.height = static_cast<int>(json.at("image").at("height").as_int());
   study.subpixel_positions = static_cast<int>(json.at("subpixel_positions").as_int());
-  const auto count = [&](const char* member) {
-    return static_cast<int>(json.at("paths").at(member).as_int());
-  };
-  study.paths = {count("object_indirect"), count("object_direct"), count("background")};
+  if (const Json* paths = json.find("paths")) {
+    const auto count = [&](const char* member) { return static_cast<int>(paths->at(member).as_int()); };
+    study.paths = {count("object_indirect"), count("object_direct"), count("background")};
+  }
+  if (const Json* emission = json.find("emission"))
+    study.emission = emission->as_string() == "full" ? Emission::kFull : Emission::kLambertian;
   const Json& noise = json.at("noise_target");
   study.noise_target = {noise.at("object_mean").as_double(), noise.at("object_p99").as_double(),
                         noise.at("outside_mean").as_double()};

@@ -14,8 +14,10 @@ namespace {
 
 struct ImageOptions {
   PictureParams params;
-  std::string illumination = "ind", method = "path", vpls = "100k", clamp = "C0", view = "v0";
+  std::string illumination = "ind", method = "path", vpls = "100k", clamp = "C0", view = "v0",
+              emission = "lambertian";
   int paths = 256;
+  std::vector<double> noise_target;
   std::filesystem::path out, png;
 };
 
@@ -24,7 +26,12 @@ PictureParams to_params(const ImageOptions& options) {
   params.object.illumination = parse_illumination(options.illumination, "--illumination");
   params.view = options.view == "v1" ? 1 : 0;
   params.paths = {options.paths, options.paths, options.paths};
+  if (!options.noise_target.empty()) {
+    const auto& target = options.noise_target;
+    params.noise_target = NoiseTarget{target[0], target[1], target[2]};
+  }
   if (options.method == "vpl") {
+    params.emission = options.emission == "full" ? Emission::kFull : Emission::kLambertian;
     params.vpl_count = parse_vpl_count(options.vpls, "--vpls");
     params.clamp_per_m2 = clamp_per_m2(parse_clamp_level(options.clamp, "--clamp"));
   }
@@ -48,6 +55,8 @@ int write_image(const ImageOptions& options) {
       "standard error of the path-traced parts, steps of 255: object mean {:.2f}, p99 {:.2f}; outside mean "
       "{:.2f}\n",
       picture.noise.object_mean, picture.noise.object_p99, picture.noise.outside_mean);
+  fmt::print("paths a pixel: {:.0f}\n",
+             picture.paths / (static_cast<double>(params.width) * static_cast<double>(params.height)));
   fmt::print("{}\n", options.out.string());
   return kExitOk;
 }
@@ -70,12 +79,20 @@ void add_image(CLI::App& app, CommandLine& line) {
       ->check(CLI::IsMember({"path", "vpl"}));
   image->add_option("--vpls", options->vpls, "Number of VPLs, such as 100k");
   image->add_option("--clamp", options->clamp, "Clamp level C0 .. C10");
+  image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")
+      ->check(CLI::IsMember({"lambertian", "full"}));
   image->add_option("--width", options->params.width, "Pixels (560)")->check(CLI::Range(1, 16384));
   image->add_option("--height", options->params.height, "Pixels (420)")->check(CLI::Range(1, 16384));
   image->add_option("--positions", options->params.positions, "Subpixel positions (4)")
       ->check(CLI::Range(1, 64));
   image->add_option("--paths", options->paths, "Monte Carlo paths a pixel (256)")
       ->check(CLI::Range(1, 1000000));
+  image
+      ->add_option(
+          "--noise-target", options->noise_target,
+          "In place of --paths: standard error in steps of 255, object mean, object p99, outside mean")
+      ->expected(3)
+      ->check(CLI::Range(0.01, 255.0));
   image->add_option("--seed", options->params.seed, "Seed, 0 to 9223372036854775807 (1)")->check(is_seed());
   add_threads(*image, line);
   image->footer(

@@ -1,7 +1,5 @@
-// Emission of spots and rectangles.
+// Emission of spots, rectangles and the environment.
 #include "renderer/lights.h"
-
-#include <limits>
 
 #include "base/error.h"
 
@@ -16,7 +14,7 @@ float rectangle_power(const RectangleLight& light) {
   return luminance(light.radiance_w_per_m2_sr) * kPi * rectangle_area(light);
 }
 
-Emission sample_spot(const SpotLight& spot, RandomStream& random) {
+LightParticle sample_spot(const SpotLight& spot, RandomStream& random) {
   const float cos_t = 1 - random.next_float() * (1 - spot.cos_outer);
   const float sin_t = std::sqrt(std::max(0.0f, 1 - cos_t * cos_t)), phi = 2 * kPi * random.next_float();
   const Vec3 direction =
@@ -24,16 +22,30 @@ Emission sample_spot(const SpotLight& spot, RandomStream& random) {
   return {spot.position, direction, eval_spot(spot, direction) * (2 * kPi * (1 - spot.cos_outer))};
 }
 
-Emission sample_rectangle(const RectangleLight& light, RandomStream& random) {
+LightParticle sample_rectangle(const RectangleLight& light, RandomStream& random) {
   const float a = random.next_float(), b = random.next_float();
   const Vec3 p = light.corner + light.u * a + light.v * b;
   const Vec3 normal = rectangle_normal(light);
   const float u1 = random.next_float(), u2 = random.next_float();
   const Vec3 direction = Frame(normal).to_world(sample_cosine(u1, u2));
-  const float largest =
-      std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) + length(light.u) + length(light.v);
-  return {p + normal * (16 * std::numeric_limits<float>::epsilon() * largest), direction,
+  return {p + normal * rectangle_epsilon(light), direction,
           light.radiance_w_per_m2_sr * (kPi * rectangle_area(light))};
+}
+
+// Light from all directions that enters the world's sphere: radiance x 4 pi x the area of its disk.
+float environment_power(const World& world) {
+  return luminance(world.environment()) * 4 * kPi * kPi * world.radius() * world.radius();
+}
+
+LightParticle sample_environment(const World& world, RandomStream& random) {
+  const float z = 1 - 2 * random.next_float(), phi = 2 * kPi * random.next_float();
+  const float r = std::sqrt(std::max(0.0f, 1 - z * z));
+  const Vec3 direction{r * std::cos(phi), r * std::sin(phi), z};
+  const float across = world.radius() * std::sqrt(random.next_float()), turn = 2 * kPi * random.next_float();
+  const Vec3 offset =
+      Frame(direction).to_world({across * std::cos(turn), across * std::sin(turn), -world.radius()});
+  return {world.center() + offset, direction,
+          world.environment() * (4 * kPi * kPi * world.radius() * world.radius())};
 }
 
 }  // namespace
@@ -48,6 +60,12 @@ Vec3 eval_spot(const SpotLight& spot, Vec3 direction) {
 
 float rectangle_area(const RectangleLight& light) { return length(cross(light.u, light.v)); }
 
+float rectangle_epsilon(const RectangleLight& light) {
+  const Vec3 c = light.corner;
+  return rounding_bound(std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)}) + length(light.u) +
+                        length(light.v));
+}
+
 Vec3 rectangle_normal(const RectangleLight& light) { return normalize(cross(light.u, light.v)); }
 
 float pdf_rectangle(const RectangleLight& light, Vec3 x, Vec3 p) {
@@ -57,27 +75,27 @@ float pdf_rectangle(const RectangleLight& light, Vec3 x, Vec3 p) {
   return cosine > 0 ? r2 / (cosine * rectangle_area(light)) : 0;
 }
 
-std::optional<Emission> sample_emission(const World& world, RandomStream& random) {
-  float total = 0;
+std::optional<LightParticle> sample_emission(const World& world, RandomStream& random) {
+  float total = environment_power(world);
   for (const auto& spot : world.spots()) total += spot_power_bound(spot);
   for (const auto& light : world.rectangles()) total += rectangle_power(light);
   if (!(total > 0)) return std::nullopt;
   float left = random.next_float() * total;
-  const auto weighted = [&](Emission emission, float power) {
-    emission.weight = emission.weight * (total / power);
-    return emission;
+  std::optional<LightParticle> emission;
+  // Takes this light if the draw falls on it.
+  const auto offer = [&](float power, const auto& sample) {
+    if (!emission && power > 0 && left < power) {
+      emission = sample();
+      emission->weight = emission->weight * (total / power);
+    }
+    left -= power;
   };
-  for (const auto& spot : world.spots()) {
-    const float power = spot_power_bound(spot);
-    if (power > 0 && left < power) return weighted(sample_spot(spot, random), power);
-    left -= power;
-  }
-  for (const auto& light : world.rectangles()) {
-    const float power = rectangle_power(light);
-    if (power > 0 && left < power) return weighted(sample_rectangle(light, random), power);
-    left -= power;
-  }
-  return std::nullopt;  // rounding at the very end of the range
+  for (const auto& spot : world.spots())
+    offer(spot_power_bound(spot), [&] { return sample_spot(spot, random); });
+  for (const auto& light : world.rectangles())
+    offer(rectangle_power(light), [&] { return sample_rectangle(light, random); });
+  offer(environment_power(world), [&] { return sample_environment(world, random); });
+  return emission;  // empty by rounding at the very end of the range
 }
 
 }  // namespace equilux

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   add_set(app, line);
   add_image(app, line);
   add_tonemap(app, line);
+  add_prove(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

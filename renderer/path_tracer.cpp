@@ -1,13 +1,9 @@
 // The path tracer.
 #include "renderer/path_tracer.h"
 
-#include <atomic>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/random.h"
 #include "renderer/lights.h"
-#include "renderer/parallel.h"
 
 namespace equilux {
 namespace {
@@ -27,7 +23,11 @@ std::array<double, kCount> make_lattice_steps() {
 // Largest float under 1: rounding up from double must not leave [0, 1).
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
-float power_heuristic(float a, float b) { return a * a / (a * a + b * b); }
+// a^2 / (a^2 + b^2), in a form in which large densities do not overflow. source: Veach, 1997, section 9.2.4.
+float power_heuristic(float a, float b) {
+  const float ratio = b / a;
+  return 1 / (1 + ratio * ratio);
+}
 
 // A surface seen from v, in its shading frame.
 struct Shading {
@@ -59,28 +59,46 @@ Vec3 estimate_spot(const World& world, const Shading& shading, const SurfacePoin
   return scatter * intensity / r2;
 }
 
+// Weight of a sample of a light against the BRDF's own sampling of the same direction.
+float weigh_light_sample(const Shading& shading, Vec3 l, float pdf, const PathMeasures& measures) {
+  if (!measures.emitter_mis) return 1;
+  return power_heuristic(pdf, pdf_brdf(shading.material, shading.v, shading.frame.to_local(l)));
+}
+
 Vec3 estimate_rectangle(const World& world, const Shading& shading, const SurfacePoint& point,
-                        const RectangleLight& light, float u1, float u2) {
+                        const RectangleLight& light, float u1, float u2, const PathMeasures& measures) {
   const Vec3 p = light.corner + light.u * u1 + light.v * u2;
   const float pdf = pdf_rectangle(light, point.p, p);
   if (!(pdf > 0)) return {};
   const Vec3 l = normalize(p - point.p);
   const Vec3 scatter = eval_scatter(shading, point, l);
-  // The end is drawn back as far as the start is put forward, so that the light's own surface does not stand
-  // in the way.
-  const Vec3 end = p + rectangle_normal(light) * (point.epsilon + 1e-6f * length(p - point.p));
+  // The end is drawn back from the light's own surface, as the start is put forward from its.
+  const Vec3 end = p + rectangle_normal(light) * rectangle_epsilon(light);
   if (scatter == Vec3{} || world.is_occluded(point.origin(), end)) return {};
-  const float weight = power_heuristic(pdf, pdf_brdf(shading.material, shading.v, shading.frame.to_local(l)));
-  return scatter * light.radiance_w_per_m2_sr * (weight / pdf);
+  return scatter * light.radiance_w_per_m2_sr * (weigh_light_sample(shading, l, pdf, measures) / pdf);
+}
+
+Vec3 estimate_environment(const World& world, const Shading& shading, const SurfacePoint& point, float u1,
+                          float u2, const PathMeasures& measures) {
+  const Vec3 local = sample_cosine(u1, u2);
+  const Vec3 l = shading.frame.to_world(local);
+  const float pdf = pdf_environment(local.z);
+  const Vec3 scatter = eval_scatter(shading, point, l);
+  if (!(pdf > 0) || scatter == Vec3{} || !world.is_open(point.origin(), l)) return {};
+  return scatter * world.environment() * (weigh_light_sample(shading, l, pdf, measures) / pdf);
 }
 
 Vec3 estimate_lights(const World& world, const Shading& shading, const SurfacePoint& point,
-                     PathSampler& sampler) {
+                     PathSampler& sampler, const PathMeasures& measures) {
   Vec3 sum;
   for (const SpotLight& spot : world.spots()) sum += estimate_spot(world, shading, point, spot);
   for (const RectangleLight& light : world.rectangles()) {
     const float u1 = sampler.next(), u2 = sampler.next();
-    sum += estimate_rectangle(world, shading, point, light, u1, u2);
+    sum += estimate_rectangle(world, shading, point, light, u1, u2, measures);
+  }
+  if (world.environment() != Vec3{}) {
+    const float u1 = sampler.next(), u2 = sampler.next();
+    sum += estimate_environment(world, shading, point, u1, u2, measures);
   }
   return sum;
 }
@@ -100,135 +118,31 @@ std::optional<Step> sample_step(const Shading& shading, const SurfacePoint& poin
   return Step{direction, sample->weight, sample->pdf};
 }
 
-// Light of an emitter that the BRDF's own sampling met, weighted against the sampling of the light.
-Vec3 weigh_emitter(const World& world, const SurfacePoint& from, const SurfacePoint& hit, float pdf) {
-  const RectangleLight& light = world.rectangles()[static_cast<std::size_t>(hit.emitter)];
-  return light.radiance_w_per_m2_sr * power_heuristic(pdf, pdf_rectangle(light, from.p, hit.p));
+// Light that the BRDF's own sampling met where its ray ended, weighted against the sampling of the light:
+// a rectangle's shining side, or the environment where there is no surface.
+Vec3 weigh_emitter(const World& world, const Shading& shading, const SurfacePoint& from, const Step& step,
+                   const std::optional<SurfacePoint>& hit, const PathMeasures& measures) {
+  if (!measures.emitter_mis) return {};
+  if (!hit) {
+    const float cosine = shading.frame.to_local(step.direction).z;
+    return world.environment() * power_heuristic(step.pdf, pdf_environment(cosine));
+  }
+  const RectangleLight& light = world.rectangles()[static_cast<std::size_t>(hit->emitter)];
+  return light.radiance_w_per_m2_sr * power_heuristic(step.pdf, pdf_rectangle(light, from.p, hit->p));
 }
 
-// Sums of one layer at one pixel, batch by batch.
-struct BatchSums {
-  std::array<std::array<double, 3>, kBatches> sums{};
-  void add(int batch, Vec3 value) {
-    auto& sum = sums[static_cast<std::size_t>(batch)];
-    sum[0] += value.x;
-    sum[1] += value.y;
-    sum[2] += value.z;
-  }
-  void scale(double factor) {
-    for (auto& sum : sums) {
-      for (double& value : sum) value *= factor;
-    }
-  }
-};
+bool is_light(const std::optional<SurfacePoint>& hit) { return !hit || hit->emitter >= 0; }
 
-void store_mean(const BatchSums& batches, float* pixel) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    double sum = 0;
-    for (const auto& batch : batches.sums) sum += batch[c];
-    pixel[c] = static_cast<float>(sum / kBatches);
-  }
-}
-
-void store_standard_error(const std::array<const BatchSums*, 3>& layers, float* pixel) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    double sum = 0, squares = 0;
-    for (std::size_t b = 0; b < kBatches; ++b) {
-      double total = 0;
-      for (const BatchSums* layer : layers) total += layer->sums[b][c];
-      sum += total;
-      squares += total * total;
-    }
-    const double variance = std::max(0.0, squares - sum * sum / kBatches) / (kBatches - 1);
-    pixel[c] = static_cast<float>(std::sqrt(variance / kBatches));
-  }
-}
-
-// What one layer needs to be estimated at one subpixel position.
-struct LayerJob {
-  StreamKey key;
-  int paths_per_batch;
-};
-
-template <typename Estimate>
-void add_batches(BatchSums& sums, const LayerJob& job, std::uint64_t place, const Estimate& estimate) {
-  for (int batch = 0; batch < kBatches; ++batch) {
-    PathSampler sampler(RandomStream(job.key, place * kBatches + static_cast<std::uint64_t>(batch)));
-    Vec3 sum;
-    for (int path = 0; path < job.paths_per_batch; ++path) {
-      sampler.next_path();
-      sum += estimate(sampler);
-    }
-    sums.add(batch, sum / static_cast<float>(job.paths_per_batch));
-  }
-}
-
-struct FamilyJob {
-  const World& world;
-  const Materials& materials;
-  const Primary& primary;
-  LayerJob background, direct, indirect;
-};
-
-// Direct light is exact where no light has an area: then one path a batch is enough.
-int needed_direct_paths(const World& world, int paths) { return world.rectangles().empty() ? 1 : paths; }
-
-void trace_pixel(const FamilyJob& job, std::size_t pixel, FamilyLayers& layers) {
-  BatchSums background, direct, indirect;
-  for (int position = 0; position < job.primary.positions; ++position) {
-    const PrimaryHit& hit = job.primary.at(pixel, position);
-    const std::uint64_t place =
-        pixel * static_cast<std::uint64_t>(job.primary.positions) + static_cast<std::uint64_t>(position);
-    if (hit.kind == PrimaryKind::kObject) {
-      add_batches(direct, job.direct, place, [&](PathSampler& sampler) {
-        return estimate_direct(job.world, job.materials, hit.point, hit.v, sampler);
-      });
-      add_batches(indirect, job.indirect, place, [&](PathSampler& sampler) {
-        return estimate_reflected(job.world, job.materials, hit.point, hit.v, false, sampler);
-      });
-    } else if (hit.kind == PrimaryKind::kRoom && hit.point.emitter >= 0) {
-      const Vec3 radiance =
-          job.world.rectangles()[static_cast<std::size_t>(hit.point.emitter)].radiance_w_per_m2_sr;
-      for (int batch = 0; batch < kBatches; ++batch) background.add(batch, radiance);
-    } else if (hit.kind == PrimaryKind::kRoom) {
-      add_batches(background, job.background, place, [&](PathSampler& sampler) {
-        return estimate_reflected(job.world, job.materials, hit.point, hit.v, true, sampler);
-      });
-    }
-  }
-  for (BatchSums* sums : {&background, &direct, &indirect}) sums->scale(1.0 / job.primary.positions);
-  store_mean(background, layers.background.pixel(pixel));
-  store_mean(direct, layers.direct.pixel(pixel));
-  store_mean(indirect, layers.indirect.pixel(pixel));
-  store_standard_error({&background, &direct, &indirect}, layers.standard_error.pixel(pixel));
-}
-
-// A picture with a value that is not finite fails as a whole: none is ever set to zero.
-void check_finite(const FamilyLayers& layers, const std::string& name) {
-  std::size_t bad = 0;
-  for (const HdrImage* layer :
-       {&layers.background, &layers.direct, &layers.indirect, &layers.standard_error}) {
-    for (float value : layer->values) bad += !std::isfinite(value);
-  }
-  if (bad > 0) {
-    throw InputError(name, "", "finite radiance in every pixel", fmt::format("{} values that are not", bad));
-  }
-}
-
-double paths_in(const Primary& primary, const PathCounts& paths, std::size_t first, std::size_t last) {
-  const int object = round_paths(paths.object_indirect, primary.positions) / primary.positions;
-  const int background = round_paths(paths.background, primary.positions) / primary.positions;
-  double sum = 0;
-  for (std::size_t i = first; i < last; ++i) {
-    const PrimaryKind kind = primary.hits[i].kind;
-    sum += kind == PrimaryKind::kObject ? object : kind == PrimaryKind::kRoom ? background : 0;
-  }
-  return sum;
+// Share of paths that go on. A path's first bounce always does.
+float survival_of(int depth, Vec3 weight, const PathMeasures& measures) {
+  if (depth == 0) return 1;
+  return measures.roulette ? std::min(kLargestSurvival, max_component(weight)) : kLargestSurvival;
 }
 
 }  // namespace
 
-PathSampler::PathSampler(const RandomStream& stream) : stream_(stream) {
+PathSampler::PathSampler(const RandomStream& stream, bool low_discrepancy)
+    : stream_(stream), low_discrepancy_(low_discrepancy) {
   for (double& coordinate : point_) coordinate = stream_.next_double();
 }
 
@@ -238,7 +152,7 @@ void PathSampler::next_path() {
     point_[i] += steps[i];
     if (point_[i] >= 1) point_[i] -= 1;
   }
-  dimension_ = 0;
+  dimension_ = low_discrepancy_ ? 0 : kDimensions;
 }
 
 float PathSampler::next() {
@@ -247,76 +161,39 @@ float PathSampler::next() {
 }
 
 Vec3 estimate_direct(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
-                     PathSampler& sampler) {
+                     PathSampler& sampler, const PathMeasures& measures) {
   const Shading shading(materials, point, v);
-  Vec3 sum = estimate_lights(world, shading, point, sampler);
-  if (world.rectangles().empty()) return sum;
+  Vec3 sum = estimate_lights(world, shading, point, sampler, measures);
+  if (!has_extended_lights(world)) return sum;
   const auto step = sample_step(shading, point, sampler);
   if (!step) return sum;
   const auto hit = world.intersect(point.origin(), step->direction);
-  if (hit && hit->emitter >= 0) sum += step->weight * weigh_emitter(world, point, *hit, step->pdf);
+  if (is_light(hit)) sum += step->weight * weigh_emitter(world, shading, point, *step, hit, measures);
   return sum;
 }
 
 Vec3 estimate_reflected(const World& world, const Materials& materials, const SurfacePoint& first,
-                        Vec3 first_v, bool with_direct, PathSampler& sampler) {
+                        Vec3 first_v, bool with_direct, PathSampler& sampler, const PathMeasures& measures) {
   Vec3 sum, throughput{1, 1, 1};
   SurfacePoint point = first;
   Vec3 v = first_v;
   for (int depth = 0;; ++depth) {
     const bool counts = with_direct || depth > 0;
     const Shading shading(materials, point, v);
-    if (counts) sum += throughput * estimate_lights(world, shading, point, sampler);
+    if (counts) sum += throughput * estimate_lights(world, shading, point, sampler, measures);
     const auto step = sample_step(shading, point, sampler);
     if (!step) return sum;
     throughput *= step->weight;
-    const float survival = depth == 0 ? 1 : std::min(kLargestSurvival, max_component(step->weight));
+    const float survival = survival_of(depth, step->weight, measures);
     if (!(survival > 0) || sampler.next() >= survival) return sum;
     throughput = throughput / survival;
     const auto hit = world.intersect(point.origin(), step->direction);
-    if (!hit) return sum;
-    if (hit->emitter >= 0)
-      return counts ? sum + throughput * weigh_emitter(world, point, *hit, step->pdf) : sum;
+    if (is_light(hit)) {
+      return counts ? sum + throughput * weigh_emitter(world, shading, point, *step, hit, measures) : sum;
+    }
     v = -step->direction;
     point = *hit;
   }
-}
-
-int round_paths(int paths, int positions) {
-  const int unit = kBatches * positions;
-  return (paths + unit - 1) / unit * unit;
-}
-
-double count_family_paths(const Primary& primary, const PathCounts& paths) {
-  return paths_in(primary, paths, 0, primary.hits.size());
-}
-
-FamilyLayers trace_family(const World& world, const Materials& materials, const Primary& primary,
-                          const PathCounts& paths, std::uint64_t seed, const std::string& stream_name,
-                          const std::function<void(double)>& progress) {
-  const auto layer_job = [&](const char* layer, int count) {
-    return LayerJob{make_stream_key(seed, stream_name + "." + layer),
-                    round_paths(count, primary.positions) / primary.positions / kBatches};
-  };
-  const FamilyJob job{world,
-                      materials,
-                      primary,
-                      layer_job("background", paths.background),
-                      layer_job("direct", needed_direct_paths(world, paths.object_direct)),
-                      layer_job("indirect", paths.object_indirect)};
-  const HdrImage empty(primary.width, primary.height);
-  FamilyLayers layers{empty, empty, empty, empty};
-  // A strip is small enough to share work out evenly and large enough to keep the report of progress cheap.
-  constexpr std::size_t kStrip = 64;
-  const std::size_t pixels = empty.pixel_count();
-  for_each_parallel((pixels + kStrip - 1) / kStrip, [&](std::size_t strip) {
-    const std::size_t first = strip * kStrip, last = std::min(pixels, first + kStrip);
-    for (std::size_t pixel = first; pixel < last; ++pixel) trace_pixel(job, pixel, layers);
-    const auto positions = static_cast<std::size_t>(primary.positions);
-    progress(paths_in(primary, paths, first * positions, last * positions));
-  });
-  check_finite(layers, stream_name);
-  return layers;
 }
 
 }  // namespace equilux

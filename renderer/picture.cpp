@@ -2,7 +2,7 @@
 #include "renderer/picture.h"
 
 #include "base/progress.h"
-#include "renderer/path_tracer.h"
+#include "renderer/reference.h"
 #include "renderer/shade.h"
 
 namespace equilux {
@@ -22,6 +22,22 @@ HdrImage shade_object(const World& world, const Primary& primary, const PictureP
   return layer;
 }
 
+FamilyLayers trace_path_layers(const FamilyScene& scene, const PictureParams& params) {
+  ReferenceParams reference;
+  if (params.noise_target) {
+    reference.target = *params.noise_target;
+  } else {
+    reference.fixed = params.paths;
+    if (params.vpl_count) reference.fixed->object_indirect = 1;  // VPLs light the object instead
+  }
+  reference.seed = params.seed;
+  reference.stream_name = format_key(Family{params.object, params.view});
+  Progress progress("path tracing", estimate_family_paths(reference, scene.primary));
+  return trace_family(
+      scene, reference,
+      {[&](double paths) { progress.advance(paths); }, [&](double paths) { progress.expect_more(paths); }});
+}
+
 }  // namespace
 
 Picture make_picture(const PictureParams& params) {
@@ -31,27 +47,22 @@ Picture make_picture(const PictureParams& params) {
   const Materials materials = make_materials(world, object_material);
   const Primary primary = trace_primary(world, make_view_camera(scene, params.view), params.width,
                                         params.height, params.positions);
-  PathCounts paths = params.paths;
-  if (params.vpl_count) paths.object_indirect = 1;  // replaced below
-  FamilyLayers layers;
-  {
-    Progress progress("path tracing", count_family_paths(primary, paths));
-    layers = trace_family(world, materials, primary, paths, params.seed,
-                          format_key(Family{params.object, params.view}),
-                          [&](double done) { progress.advance(done); });
-  }
+  const FamilyLayers traced = trace_path_layers({world, materials, primary}, params);
   Picture picture;
   if (params.vpl_count) {
     const std::int64_t path_count = find_path_count(world, *params.vpl_count, params.seed);
-    const VplSet vpls = trace_vpls(world, materials, path_count, params.seed, "vpls");
+    const VplSet vpls = trace_vpls(world, materials, path_count, params.seed, "vpls", params.emission);
     picture.vpl_count = vpls.count();
-    layers.indirect = shade_object(world, primary, params, materials, vpls);
+    const HdrImage lit = shade_object(world, primary, params, materials, vpls);
+    picture.image = composite({&traced.background, &traced.direct, &lit});
+  } else {
+    picture.image = composite({&traced.background, &traced.direct, &traced.indirect});
   }
-  picture.image = composite({&layers.background, &layers.direct, &layers.indirect});
+  picture.paths = traced.paths;
   const HdrImage coverage = make_coverage(primary);
   const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);
   picture.display = apply_tone_curve(picture.image, tone);
-  picture.noise = measure_display_noise(picture.image, layers.standard_error, coverage, tone);
+  picture.noise = measure_display_noise(picture.image, traced.standard_error, coverage, tone);
   return picture;
 }
 

@@ -19,6 +19,8 @@ struct PictureParams {
   int height = 420;
   int positions = 4;
   PathCounts paths{256, 16, 256};
+  std::optional<NoiseTarget> noise_target;  ///< as many paths as it asks for, in place of `paths`
+  Emission emission = Emission::kLambertian;
   std::optional<std::int64_t> vpl_count;  ///< empty: path traced
   double clamp_per_m2 = 0;                ///< with VPLs; infinite for none
   std::uint64_t seed = 1;
@@ -29,6 +31,7 @@ struct Picture {
   LdrImage display;            ///< through the tone curve of its own background
   std::int64_t vpl_count = 0;  ///< true number
   DisplayNoise noise;          ///< of its path-traced parts
+  double paths = 0;            ///< traced for those, in all
 };
 
 /// errors: InputError

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "renderer/path_tracer.h"
+#include "renderer/reference.h"
 #include "renderer/shade.h"
 
 namespace equilux {
@@ -49,14 +49,11 @@ class Stopwatch {
 double estimate_work(const Study& study, const Scene& scene, const World& world,
                      const MissingLayers& missing) {
   const Primary small = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
-  double object = 0, room = 0;
-  for (const PrimaryHit& hit : small.hits) {
-    object += hit.kind == PrimaryKind::kObject;
-    room += hit.kind == PrimaryKind::kRoom;
-  }
+  double object = 0;
+  for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
   const double pixels =
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
-  const double family = pixels * (object * study.paths.object_indirect + room * study.paths.background);
+  const double family = pixels * estimate_family_paths(make_reference_params(study, ""), small);
   double pairs = 0;
   std::set<std::pair<std::int64_t, int>> seen;  // materials and levels share the pairs
   for (const Condition& condition : missing.conditions) {
@@ -86,9 +83,10 @@ void render_family(const GroupJob& job, const Primary& primary, const Family& fa
   FamilyLayers layers;
   {
     const Stopwatch watch(job.seconds["references"]);
-    layers =
-        trace_family(job.world, materials_of(job, family.object.material), primary, job.study.paths,
-                     job.study.seed, format_key(family), [&](double paths) { job.progress.advance(paths); });
+    layers = trace_family({job.world, materials_of(job, family.object.material), primary},
+                          make_reference_params(job.study, format_key(family)),
+                          {[&](double paths) { job.progress.advance(paths); },
+                           [&](double paths) { job.progress.expect_more(paths); }});
   }
   const HdrImage coverage = make_coverage(primary);
   const Stopwatch watch(job.seconds["files"]);
@@ -131,7 +129,8 @@ void render_vpl_layers(const GroupJob& job, const GroupKey& group, int view, con
     const Stopwatch watch(job.seconds["VPL tracing"]);
     for (const auto& [material, some] : wanted) {
       materials.push_back(make_material(find_material(job.scene, material)));
-      sets.push_back(trace_vpls(job.world, materials_of(job, material), paths, job.study.seed, stream));
+      sets.push_back(trace_vpls(job.world, materials_of(job, material), paths, job.study.seed, stream,
+                                job.study.emission));
     }
   }
   const auto advance = [&](double pairs) { job.progress.advance(kPairCost * pairs); };

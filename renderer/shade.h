@@ -26,6 +26,7 @@ struct ShadedPoints {
   std::size_t levels = 0;
   std::size_t points = 0;
   std::vector<Vec3> radiance;
+  std::uint64_t coincident = 0;  ///< pairs left out because the VPL lies on the point, where r is 0
 
   std::size_t index(std::size_t material, std::size_t level, std::size_t point) const {
     return (material * levels + level) * points + point;
@@ -34,11 +35,11 @@ struct ShadedPoints {
 
 /// L(x) = sum_k min{c, M_k / r_k^2} cos_k I_k V_k, M = f cl at x, for every clamp c in `clamps_per_m2` and
 /// every material of the object. One shadow ray serves them all. With colour the clamp acts on M's largest
-/// channel and scales all three alike. `progress` is told point-VPL pairs done, from any thread. source:
-/// Krivanek, Ferwerda, Bala 2010, section 3.
-ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>& points,
-                            const std::vector<Vpl>& vpls, const std::vector<Material>& materials,
-                            const std::vector<double>& clamps_per_m2,
+/// channel and scales all three alike. I_k is the emission towards x: the diffuse part's, and the glossy
+/// part's where the VPL has one. `progress` is told point-VPL pairs done, from any thread. errors: InputError
+/// if radiance leaves the range of float. source: Krivanek, Ferwerda, Bala 2010, section 3.
+ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>& points, const VplList& vpls,
+                            const std::vector<Material>& materials, const std::vector<double>& clamps_per_m2,
                             const std::function<void(double)>& progress);
 
 /// Adds the points of one material and level to a layer: each counts as its subpixel position's share.

@@ -46,7 +46,7 @@ std::optional<Vec3> sample_particle(const Material& material, const SurfacePoint
   Vec3 f = material.rho_d * kInvPi;
   if (material.glossy_share > 0) {
     pdf += material.glossy_share * pdf_glossy(material.alpha, wi_local, wo_local);
-    f += material.rho_s * eval_glossy(material.alpha, wi_local, wo_local);
+    f += material.rho_s * eval_glossy(material, wi_local, wo_local);
   }
   if (!(pdf > 0)) return std::nullopt;
   weight = weight * f * (wi_local.z * cos_out / (dot(point.ng, wi) * pdf));
@@ -60,26 +60,37 @@ bool survives(Vec3 before, Vec3& after, RandomStream& random) {
   return true;
 }
 
+struct PathParams {
+  const World& world;
+  const Materials& materials;
+  Emission emission;
+  float share;  ///< of each path in the whole: 1 / paths
+};
+
 void add_vpl(VplSet& set, const SurfacePoint& point, const Material& material, Vec3 wi,
-             const Particle& particle) {
+             const Particle& particle, Emission emission) {
   const Vec3 flux = particle.weight * (dot(point.ns, wi) / dot(point.ng, wi));
-  const Vpl vpl{point.p, point.epsilon, point.ng, flux * material.rho_d * kInvPi};
-  if (vpl.intensity == Vec3{}) return;
-  (particle.met_object ? set.own : set.shared).push_back(vpl);
+  VplList& list = particle.met_object ? set.own : set.shared;
+  Vpl vpl{point.p, point.epsilon, point.ng, flux * material.rho_d * kInvPi, -1};
+  const Vec3 glossy = flux * material.rho_s;
+  if (emission == Emission::kFull && glossy != Vec3{}) {
+    vpl.gloss = static_cast<std::int32_t>(list.gloss.size());
+    list.gloss.push_back({point.ns, wi, glossy, material.alpha, material.model});
+  }
+  if (vpl.intensity != Vec3{} || vpl.gloss >= 0) list.vpls.push_back(vpl);
 }
 
-void trace_path(const World& world, const Materials& materials, RandomStream random, float share,
-                VplSet& set) {
-  const auto emission = sample_emission(world, random);
-  if (!emission) return;
-  Particle particle{emission->origin, emission->direction, emission->weight * share, false};
+void trace_path(const PathParams& params, RandomStream random, VplSet& set) {
+  const auto emitted = sample_emission(params.world, random);
+  if (!emitted) return;
+  Particle particle{emitted->origin, emitted->direction, emitted->weight * params.share, false};
   while (max_component(particle.weight) > 0) {
-    const auto hit = world.intersect(particle.origin, particle.direction);
+    const auto hit = params.world.intersect(particle.origin, particle.direction);
     const Vec3 wi = -particle.direction;
     if (!hit || !(dot(hit->ns, wi) > 0)) return;
     particle.met_object = particle.met_object || hit->is_object;
-    const Material& material = materials[hit->material];
-    add_vpl(set, *hit, material, wi, particle);
+    const Material& material = params.materials[hit->material];
+    add_vpl(set, *hit, material, wi, particle, params.emission);
     const Vec3 before = particle.weight;
     const auto wo = sample_particle(material, *hit, wi, random, particle.weight);
     if (!wo || !survives(before, particle.weight, random)) return;
@@ -88,36 +99,43 @@ void trace_path(const World& world, const Materials& materials, RandomStream ran
   }
 }
 
-template <typename T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
-void check_finite(const std::vector<Vpl>& vpls) {
-  const auto bad =
-      std::count_if(vpls.begin(), vpls.end(), [](const Vpl& vpl) { return !is_finite(vpl.intensity); });
-  EQ_CHECK(bad == 0, bad);
+void check_finite(const VplList& list) {
+  auto bad = std::count_if(list.vpls.begin(), list.vpls.end(),
+                           [](const Vpl& vpl) { return !is_finite(vpl.intensity); });
+  bad += std::count_if(list.gloss.begin(), list.gloss.end(),
+                       [](const VplGloss& gloss) { return !is_finite(gloss.flux); });
+  if (bad > 0)
+    throw InputError("scene", "/lights", "lights whose VPLs are finite", fmt::format("{} that are not", bad));
 }
 
 }  // namespace
 
+void VplList::append(const VplList& other) {
+  const auto offset = static_cast<std::int32_t>(gloss.size());
+  for (Vpl vpl : other.vpls) {
+    if (vpl.gloss >= 0) vpl.gloss += offset;
+    vpls.push_back(vpl);
+  }
+  gloss.insert(gloss.end(), other.gloss.begin(), other.gloss.end());
+}
+
 VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
-                  const std::string& stream_name) {
+                  const std::string& stream_name, Emission emission) {
   EQ_CHECK(paths > 0, paths);
   const StreamKey key = make_stream_key(seed, stream_name);
   const auto count = static_cast<std::size_t>(paths);
+  const PathParams params{world, materials, emission, 1.0f / static_cast<float>(paths)};
   std::vector<VplSet> blocks((count + kPathsPerBlock - 1) / kPathsPerBlock);
   for_each_parallel(blocks.size(), [&](std::size_t block) {
     const std::size_t last = std::min(count, (block + 1) * kPathsPerBlock);
-    for (std::size_t i = block * kPathsPerBlock; i < last; ++i) {
-      trace_path(world, materials, RandomStream(key, i), 1.0f / static_cast<float>(paths), blocks[block]);
-    }
+    for (std::size_t i = block * kPathsPerBlock; i < last; ++i)
+      trace_path(params, RandomStream(key, i), blocks[block]);
   });
   VplSet set;
   set.paths = paths;
   for (const VplSet& block : blocks) {
-    append(set.shared, block.shared);
-    append(set.own, block.own);
+    set.shared.append(block.shared);
+    set.own.append(block.own);
   }
   check_finite(set.shared);
   check_finite(set.own);

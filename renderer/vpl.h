@@ -5,24 +5,46 @@
 #include <string>
 #include <vector>
 
+#include "protocols/study.h"
 #include "renderer/world.h"
 
 namespace equilux {
 
-/// A virtual point light with Lambertian emission: radiance towards x is intensity cos / r^2.
+/// A virtual point light. Its radiance towards x is intensity cos / r^2 by the diffuse part of its surface;
+/// with full emission a glossy part comes on top.
 struct Vpl {
   Vec3 p;
-  float epsilon = 0;  ///< as SurfacePoint::epsilon
-  Vec3 ng;            ///< unit, on the side from which the particle came
-  Vec3 intensity;     ///< W/sr along ng
+  float epsilon = 0;        ///< as SurfacePoint::epsilon
+  Vec3 ng;                  ///< unit, on the side from which the particle came
+  Vec3 intensity;           ///< W/sr along ng
+  std::int32_t gloss = -1;  ///< index of the glossy part, or -1
   bool operator==(const Vpl&) const = default;
+};
+
+/// The glossy emission of a VPL: flux g(wi, wo), with g of eval_glossy in the frame of the shading normal.
+struct VplGloss {
+  Vec3 ns;    ///< unit
+  Vec3 wi;    ///< unit, towards where the particle came from
+  Vec3 flux;  ///< rho_s x the particle's weight. units: W
+  float alpha = 0;
+  GlossModel model = GlossModel::kWardDuer;
+  bool operator==(const VplGloss&) const = default;
+};
+
+struct VplList {
+  std::vector<Vpl> vpls;
+  std::vector<VplGloss> gloss;  ///< of those that have it; empty with Lambertian emission
+
+  std::size_t size() const { return vpls.size(); }
+  void append(const VplList& other);
+  bool operator==(const VplList&) const = default;
 };
 
 /// The VPLs of one scene, geometry, illumination and count for one material of the object. Paths that have
 /// not met the object are the same for every material: those VPLs are `shared`.
 struct VplSet {
-  std::vector<Vpl> shared;
-  std::vector<Vpl> own;
+  VplList shared;
+  VplList own;
   std::int64_t paths = 0;
 
   std::int64_t count() const { return static_cast<std::int64_t>(shared.size() + own.size()); }
@@ -33,8 +55,9 @@ struct VplSet {
 /// InputError if no path leaves a VPL.
 std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed);
 
-/// Traces `paths` particles from the lights; at every surface that they meet they leave a VPL. All are kept.
+/// Traces `paths` particles from the lights; at every surface that they meet they leave a VPL, if it sends
+/// light on. All are kept. The particles do not depend on `emission`.
 VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
-                  const std::string& stream_name);
+                  const std::string& stream_name, Emission emission = Emission::kLambertian);
 
 }  // namespace equilux

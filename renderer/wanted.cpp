@@ -12,8 +12,8 @@ namespace {
 
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
-constexpr int kPathEstimator = 2;
-constexpr int kVplEstimator = 2;
+constexpr int kPathEstimator = 3;
+constexpr int kVplEstimator = 3;
 
 bool matches(const std::string& key, const std::string& glob) {
   return fnmatch(glob.c_str(), key.c_str(), 0) == 0;
@@ -73,18 +73,26 @@ Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wante
 }
 
 std::string digest_family_recipe(const Recipes& recipes, const Family& family) {
-  const PathCounts& paths = recipes.study.paths;
+  const Study& study = recipes.study;
   Json json = common_recipe(recipes, family.object, family.view);
   json.set("estimator", "path").set("estimator_version", kPathEstimator);
-  json.set("paths_indirect", paths.object_indirect).set("paths_direct", paths.object_direct);
-  json.set("paths_background", paths.background);
+  if (study.paths) {
+    json.set("paths_indirect", study.paths->object_indirect).set("paths_direct", study.paths->object_direct);
+    json.set("paths_background", study.paths->background);
+  } else {
+    const NoiseTarget& target = study.noise_target;
+    json.set("object_mean", target.object_mean).set("object_p99", target.object_p99);
+    json.set("outside_mean", target.outside_mean).set("tone_key", study.tone_key);
+    json.set("exposure", study.exposure == Exposure::kWhole ? "whole" : "background");
+  }
   return digest_json(json);
 }
 
 std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition) {
   const Column& column = condition.cell.column;
   Json json = common_recipe(recipes, column.object, condition.view);
-  json.set("estimator", "vpl-sum").set("estimator_version", kVplEstimator).set("emission", "lambertian");
+  json.set("estimator", "vpl-sum").set("estimator_version", kVplEstimator);
+  json.set("emission", recipes.study.emission == Emission::kFull ? "full" : "lambertian");
   json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));
   return digest_json(json);
 }

@@ -12,10 +12,6 @@
 namespace equilux {
 namespace {
 
-// Rays start this many units of rounding of the largest coordinate of their triangle away from it:
-// barycentric interpolation and Embree's robust edge tests err by a few.
-constexpr float kEpsilonUnits = 32;
-
 struct Part {
   TriangleMesh mesh;
   std::uint32_t material = 0;
@@ -89,8 +85,7 @@ SurfacePoint make_surface_point(const Part& part, std::uint32_t primitive, float
   const auto& positions = part.mesh.positions;
   SurfacePoint point;
   point.p = interpolate(positions, triangle, u, v);
-  point.epsilon =
-      kEpsilonUnits * 0.5f * std::numeric_limits<float>::epsilon() * largest_coordinate(positions, triangle);
+  point.epsilon = rounding_bound(largest_coordinate(positions, triangle));
   point.ng = normalize(cross(positions[triangle[1]] - positions[triangle[0]],
                              positions[triangle[2]] - positions[triangle[0]]));
   const bool front = dot(point.ng, direction) < 0;
@@ -102,6 +97,23 @@ SurfacePoint make_surface_point(const Part& part, std::uint32_t primitive, float
   point.is_object = part.is_object;
   point.emitter = front ? part.emitter : -1;
   return point;
+}
+
+// True if something stands at from + t d, 0 < t < end.
+bool is_hit_before(RTCScene scene, Vec3 from, Vec3 d, float end) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray{};
+  ray.org_x = from.x;
+  ray.org_y = from.y;
+  ray.org_z = from.z;
+  ray.dir_x = d.x;
+  ray.dir_y = d.y;
+  ray.dir_z = d.z;
+  ray.tfar = end;
+  ray.mask = ~0u;
+  rtcOccluded1(scene, &context, &ray);
+  return ray.tfar < 0;
 }
 
 }  // namespace
@@ -142,6 +154,8 @@ World make_world(const Scene& scene, const std::string& geometry, Illumination i
     if (!light.in_indirect && illumination == Illumination::kIndirect) continue;
     if (const auto* spot = std::get_if<SpotLight>(&light.shape)) {
       world.spots_.push_back(*spot);
+    } else if (const auto* environment = std::get_if<EnvironmentLight>(&light.shape)) {
+      world.environment_ = environment->radiance_w_per_m2_sr;
     } else {
       world.rectangles_.push_back(std::get<RectangleLight>(light.shape));
       parts.push_back(make_emitter_part(world.rectangles_.back(),
@@ -155,6 +169,13 @@ World make_world(const Scene& scene, const std::string& geometry, Illumination i
   for (const Part& part : parts) attach_part(device, world.impl_->scene, part);
   rtcCommitScene(world.impl_->scene);
   check_device(device);
+  RTCBounds bounds;
+  rtcGetSceneBounds(world.impl_->scene, &bounds);
+  const Vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
+      high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
+  world.center_ = low * 0.5f + high * 0.5f;
+  // A little larger than the box's own, so that rounding leaves no surface outside.
+  world.radius_ = 0.5001f * length(high - low);
   return world;
 }
 
@@ -182,21 +203,10 @@ std::optional<SurfacePoint> World::intersect(Vec3 origin, Vec3 direction) const 
   return make_surface_point(impl_->parts[ray.hit.geomID], ray.hit.primID, ray.hit.u, ray.hit.v, direction);
 }
 
-bool World::is_occluded(Vec3 from, Vec3 to) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  const Vec3 d = to - from;
-  RTCRay ray{};
-  ray.org_x = from.x;
-  ray.org_y = from.y;
-  ray.org_z = from.z;
-  ray.dir_x = d.x;
-  ray.dir_y = d.y;
-  ray.dir_z = d.z;
-  ray.tfar = 1;
-  ray.mask = ~0u;
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar < 0;
+bool World::is_occluded(Vec3 from, Vec3 to) const { return is_hit_before(impl_->scene, from, to - from, 1); }
+
+bool World::is_open(Vec3 from, Vec3 direction) const {
+  return !is_hit_before(impl_->scene, from, direction, std::numeric_limits<float>::infinity());
 }
 
 std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const {

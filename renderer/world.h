@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,13 @@ namespace equilux {
 
 /// Index of the object's material in Materials; the room's follow.
 inline constexpr std::uint32_t kObjectMaterial = 0;
+
+/// Bound on the rounding error of points on a surface whose largest coordinate this is: barycentric
+/// interpolation and Embree's robust edge tests err by a few units of rounding, 32 are safe. Rays start and
+/// end this far along ng; relative to the numbers involved, so a scaled scene gives the same picture.
+inline float rounding_bound(float largest_coordinate) {
+  return 16 * std::numeric_limits<float>::epsilon() * largest_coordinate;
+}
 
 /// A point on a surface, seen from the side from which the ray came: both normals are on that side by ng.
 struct SurfacePoint {
@@ -48,11 +56,19 @@ class World {
   /// True if something stands on the open segment between two points that are off their surfaces already.
   bool is_occluded(Vec3 from, Vec3 to) const;
 
+  /// True if nothing stands on the ray: it reaches the environment.
+  bool is_open(Vec3 from, Vec3 direction) const;
+
   /// The same for the lanes in `valid`, all towards one point. Gives the lanes that are NOT occluded.
   std::uint32_t find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const;
 
   const std::vector<SpotLight>& spots() const { return spots_; }
   const std::vector<RectangleLight>& rectangles() const { return rectangles_; }
+  /// Radiance that comes from where no surface is; black without an environment.
+  Vec3 environment() const { return environment_; }
+  /// A sphere around all surfaces.
+  Vec3 center() const { return center_; }
+  float radius() const { return radius_; }
   const std::vector<MaterialSpec>& room_materials() const { return room_materials_; }
   std::size_t triangle_count() const;
 
@@ -64,6 +80,9 @@ class World {
   std::unique_ptr<Impl> impl_;
   std::vector<SpotLight> spots_;
   std::vector<RectangleLight> rectangles_;
+  Vec3 environment_;
+  Vec3 center_;
+  float radius_ = 0;
   std::vector<MaterialSpec> room_materials_;  ///< index: SurfacePoint::material - 1
 };
 

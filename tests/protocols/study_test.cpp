@@ -45,6 +45,8 @@ TEST_F(StudyFile, IsReadInFull) {
   EXPECT_EQ(study.clamp_levels.size(), 11u);
   EXPECT_EQ(study.exposure, Exposure::kBackground);
   EXPECT_EQ(study.view_mode, ViewMode::kReferenceTurned);
+  EXPECT_FALSE(study.paths) << "as many as the noise target asks for";
+  EXPECT_EQ(study.emission, Emission::kLambertian);
   EXPECT_EQ(study.subjects.at("artifact"), 12);
   EXPECT_EQ(study.subjects.at("material"), 14);
   EXPECT_EQ(study.windows_path, folder_ / "pocket/windows.json");
@@ -58,7 +60,7 @@ TEST_F(StudyFile, WithoutAnyOneOfItsMembersNamesTheMember) {
   for (const auto& [name, value] : blank.as_object())
     EXPECT_EQ(refusal_of(without(blank, "/" + name)), "/: expected a member \"" + name + "\", got none");
   std::map<std::string, Json> inner{{"/blocks/0", blank.at("blocks").at(std::size_t{0})}};
-  for (const std::string name : {"image", "paths", "noise_target", "target", "subjects"})
+  for (const std::string name : {"image", "noise_target", "target", "subjects"})
     inner["/" + name] = blank.at(name);
   for (const auto& [place, object] : inner) {
     for (const auto& [name, value] : object.as_object())
@@ -68,7 +70,7 @@ TEST_F(StudyFile, WithoutAnyOneOfItsMembersNamesTheMember) {
 }
 
 TEST_F(StudyFile, WithAMemberTooManyNamesIt) {
-  for (const char* place : {"", "/image", "/paths", "/noise_target", "/target", "/subjects", "/blocks/0"}) {
+  for (const char* place : {"", "/image", "/noise_target", "/target", "/subjects", "/blocks/0"}) {
     EXPECT_THAT(refusal_of(with(pocket_, std::string(place) + "/extra", 1)),
                 AllOf(StartsWith(*place ? std::string(place) + ": " : "/: "), HasSubstr("\"extra\"")));
   }
@@ -87,7 +89,9 @@ TEST_F(StudyFile, WithAWrongValueSaysWhereAndWhatIsExpected) {
       {"/image/width", 0, "integer of at least 1"},
       {"/image/height", 20000, "at most 16384"},
       {"/subpixel_positions", 0, "integer"},
-      {"/paths/background", 0, "integer"},
+      {"/paths", parse_json(R"({"object_indirect": 1, "object_direct": 1})", ""), "a member \"background\""},
+      {"/paths", 5, "object"},
+      {"/emission", "half", "one of lambertian, full"},
       {"/noise_target/object_mean", 0, "number over 0"},
       {"/exposure", "middle", "one of background, whole"},
       {"/tone_key", 0, "number"},

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "renderer/lights.h"
+#include "renderer/reference.h"
 #include "tests/renderer/test_scene.h"
 #include "tests/support/statistics.h"
 
@@ -24,8 +25,12 @@ Traced trace(const Scene& scene, const std::string& material, PathCounts paths, 
   const World world = make_world(scene, "G0", Illumination::kDirectAndIndirect);
   Traced traced;
   traced.primary = trace_primary(world, make_view_camera(scene, 0), size, size, 1);
-  traced.layers = trace_family(world, make_materials(world, find_material(scene, material)), traced.primary,
-                               paths, seed, "test", [](double) {});
+  ReferenceParams params;
+  params.fixed = paths;
+  params.seed = seed;
+  params.stream_name = "test";
+  traced.layers = trace_family({world, make_materials(world, find_material(scene, material)), traced.primary},
+                               params, test::no_progress());
   traced.coverage = make_coverage(traced.primary);
   return traced;
 }

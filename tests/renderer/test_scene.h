@@ -8,6 +8,7 @@
 
 #include "base/files.h"
 #include "base/json.h"
+#include "renderer/reference.h"
 #include "stimuli/scene.h"
 
 namespace equilux::test {
@@ -51,6 +52,10 @@ inline Scene make_scene(const SceneText& text) {
                       R"(,"instances":)" + text.instances + R"(,"object":{"stand":)" + text.stand +
                       R"(,"geometries":[{"name":"G0","mesh":"ball"}]},"lights":)" + text.lights + "}");
   return load_scene(path);
+}
+
+inline FamilyProgress no_progress() {
+  return {[](double) {}, [](double) {}};
 }
 
 /// Six rectangles of radiance 1 about the origin that shine inwards: a furnace of half side `h`.

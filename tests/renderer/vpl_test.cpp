@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/parallel.h"
-#include "renderer/path_tracer.h"
+#include "renderer/reference.h"
 #include "renderer/shade.h"
 #include "tests/renderer/test_scene.h"
 #include "tests/support/statistics.h"
@@ -88,7 +88,7 @@ TEST(Vpls, FluxOfTheFirstHitsIsThatOfTheLight) {
   const World world = make_world(scene, "G0", Illumination::kIndirect);
   const VplSet set = trace_vpls(world, make_materials(world, scene.materials[0]), 20000, 1, "vpls");
   double sum = 0;
-  for (const Vpl& vpl : set.own) sum += vpl.intensity.x;
+  for (const Vpl& vpl : set.own.vpls) sum += vpl.intensity.x;
   EXPECT_NEAR(sum, std::numbers::pi * 3 * .5 / std::numbers::pi,
               .02);  // particles bounce at most into the black light
 }
@@ -117,7 +117,11 @@ TEST(Vpls, UnclampedSumsOfALambertianSceneAgreeWithThePathTracer) {
           shade_all_vpls(world, points, *part, {materials[0]}, {clamp_per_m2(0)}, [](double) {}).radiance);
     }
     by_vpls.push_back(mean);
-    const auto layers = trace_family(world, materials, primary, {64, 16, 16}, seed, "paths", [](double) {});
+    ReferenceParams params;
+    params.fixed = PathCounts{64, 16, 16};
+    params.seed = seed;
+    params.stream_name = "paths";
+    const auto layers = trace_family({world, materials, primary}, params, test::no_progress());
     double sum = 0;
     for (std::size_t i = 0; i < layers.indirect.pixel_count(); ++i) sum += layers.indirect.pixel(i)[1];
     by_paths.push_back(sum / static_cast<double>(points.size()));

@@ -59,6 +59,7 @@ TEST_F(SceneDigest, ChangesWithEverythingThatIsShown) {
   expect_other("/instances/1/material", "floor");
   expect_other("/materials/0/alpha", 0.06);
   expect_other("/materials/0/rho_s/1", 0.23);
+  expect_other("/materials/0/model", "ward");
   expect_other("/materials/2/rho_d/0", 0.6);
   expect_other("/lights/0/spot/intensity/1", 11);
   expect_other("/lights/0/spot/inner_degrees", 11);

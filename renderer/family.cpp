@@ -1,0 +1,188 @@
+// Layers from estimates: pixels, subpixel positions, batches.
+#include "renderer/family.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "renderer/lights.h"
+#include "renderer/parallel.h"
+
+namespace equilux {
+namespace {
+
+// Sums of one layer at one pixel, batch by batch.
+struct BatchSums {
+  std::array<std::array<double, 3>, kBatches> sums{};
+  void add(int batch, Vec3 value) {
+    auto& sum = sums[static_cast<std::size_t>(batch)];
+    sum[0] += value.x;
+    sum[1] += value.y;
+    sum[2] += value.z;
+  }
+};
+
+void store(const BatchSums& batches, int positions, TracedLayer& layer, std::size_t pixel) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    double sum = 0, squares = 0;
+    for (const auto& batch : batches.sums) sum += batch[c];
+    const double mean = sum / kBatches;
+    for (const auto& batch : batches.sums) squares += (batch[c] - mean) * (batch[c] - mean);
+    layer.mean.pixel(pixel)[c] = static_cast<float>(mean / positions);
+    layer.standard_error.pixel(pixel)[c] =
+        static_cast<float>(std::sqrt(squares / (kBatches - 1) / kBatches) / positions);
+  }
+}
+
+// What one layer needs to be estimated.
+struct LayerJob {
+  StreamKey key;
+  const PathMap& map;
+  const PathMeasures& measures;
+};
+
+template <typename Estimate>
+void add_batches(BatchSums& sums, const LayerJob& job, std::size_t pixel, std::uint64_t place,
+                 const Estimate& estimate) {
+  const std::uint32_t paths = job.map[pixel];
+  for (int batch = 0; batch < kBatches; ++batch) {
+    PathSampler sampler(RandomStream(job.key, place * kBatches + static_cast<std::uint64_t>(batch)),
+                        job.measures.low_discrepancy);
+    std::array<double, 3> sum{};
+    for (std::uint32_t path = 0; path < paths; ++path) {
+      sampler.next_path();
+      const Vec3 value = estimate(sampler);
+      sum[0] += value.x;
+      sum[1] += value.y;
+      sum[2] += value.z;
+    }
+    const double share = 1.0 / paths;
+    sums.add(batch, {static_cast<float>(sum[0] * share), static_cast<float>(sum[1] * share),
+                     static_cast<float>(sum[2] * share)});
+  }
+}
+
+struct FamilyJob {
+  const FamilyScene& scene;
+  LayerJob background, direct, indirect;
+};
+
+// What the camera sees without a bounce: a lamp, or the environment.
+void add_seen_light(const World& world, const PrimaryHit& hit, BatchSums& background) {
+  const Vec3 radiance =
+      hit.kind == PrimaryKind::kNothing
+          ? world.environment()
+          : world.rectangles()[static_cast<std::size_t>(hit.point.emitter)].radiance_w_per_m2_sr;
+  for (int batch = 0; batch < kBatches; ++batch) background.add(batch, radiance);
+}
+
+void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) {
+  const auto& [world, materials, primary] = job.scene;
+  BatchSums background, direct, indirect;
+  for (int position = 0; position < primary.positions; ++position) {
+    const PrimaryHit& hit = primary.at(pixel, position);
+    const std::uint64_t place =
+        pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
+    if (hit.kind == PrimaryKind::kObject) {
+      add_batches(direct, job.direct, pixel, place, [&](PathSampler& sampler) {
+        return estimate_direct(world, materials, hit.point, hit.v, sampler, job.direct.measures);
+      });
+      add_batches(indirect, job.indirect, pixel, place, [&](PathSampler& sampler) {
+        return estimate_reflected(world, materials, hit.point, hit.v, false, sampler, job.indirect.measures);
+      });
+    } else if (hit.kind == PrimaryKind::kNothing || hit.point.emitter >= 0) {
+      add_seen_light(world, hit, background);
+    } else {
+      add_batches(background, job.background, pixel, place, [&](PathSampler& sampler) {
+        return estimate_reflected(world, materials, hit.point, hit.v, true, sampler, job.background.measures);
+      });
+    }
+  }
+  store(background, primary.positions, layers.background, pixel);
+  store(direct, primary.positions, layers.direct, pixel);
+  store(indirect, primary.positions, layers.indirect, pixel);
+}
+
+// A picture with a value that is not finite fails as a whole: none is ever set to zero.
+void check_finite(const TracedLayers& layers, const std::string& name) {
+  std::size_t bad = 0;
+  for (const TracedLayer* layer : {&layers.background, &layers.direct, &layers.indirect}) {
+    for (float value : layer->mean.values) bad += !std::isfinite(value);
+    for (float value : layer->standard_error.values) bad += !std::isfinite(value);
+  }
+  if (bad > 0) {
+    throw InputError(name, "", "finite radiance in every pixel", fmt::format("{} values that are not", bad));
+  }
+}
+
+// Paths of the direct and the indirect layer at an object's position, or of the background at the room's.
+double count_paths_of_pixels(const Primary& primary, const PathMaps& maps, std::size_t first,
+                             std::size_t last) {
+  double sum = 0;
+  for (std::size_t pixel = first; pixel < last; ++pixel) {
+    for (int position = 0; position < primary.positions; ++position) {
+      const PrimaryKind kind = primary.at(pixel, position).kind;
+      if (kind == PrimaryKind::kObject) sum += maps.direct[pixel] + maps.indirect[pixel];
+      if (kind == PrimaryKind::kRoom) sum += maps.background[pixel];
+    }
+  }
+  return sum * kBatches;
+}
+
+}  // namespace
+
+int round_paths(int paths, int positions) {
+  const int unit = kBatches * positions;
+  return (paths + unit - 1) / unit * unit;
+}
+
+PathMaps make_fixed_maps(const Primary& primary, const PathCounts& paths) {
+  const std::size_t pixels =
+      static_cast<std::size_t>(primary.width) * static_cast<std::size_t>(primary.height);
+  const auto map = [&](int count) {
+    const int unit = kBatches * primary.positions;
+    return PathMap(pixels, static_cast<std::uint32_t>(round_paths(count, primary.positions) / unit));
+  };
+  return {map(paths.background), map(paths.object_direct), map(paths.object_indirect)};
+}
+
+double count_paths(const Primary& primary, const PathMaps& maps) {
+  return count_paths_of_pixels(primary, maps, 0, maps.background.size());
+}
+
+TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::uint64_t seed,
+                          const std::string& stream_name, const PathMeasures& measures,
+                          const std::function<void(double)>& progress) {
+  const Primary& primary = scene.primary;
+  const auto layer_job = [&](const char* layer, const PathMap& map) {
+    return LayerJob{make_stream_key(seed, stream_name + "." + layer), map, measures};
+  };
+  // Direct light is exact where no light has an area: then one path is enough.
+  const PathMap once(maps.direct.size(), 1);
+  const FamilyJob job{scene, layer_job("background", maps.background),
+                      layer_job("direct", has_extended_lights(scene.world) ? maps.direct : once),
+                      layer_job("indirect", maps.indirect)};
+  const HdrImage empty(primary.width, primary.height);
+  TracedLayers layers{{empty, empty}, {empty, empty}, {empty, empty}};
+  // A strip is small enough to share work out evenly and large enough to keep the report of progress cheap.
+  constexpr std::size_t kStrip = 64;
+  const std::size_t pixels = empty.pixel_count();
+  for_each_parallel((pixels + kStrip - 1) / kStrip, [&](std::size_t strip) {
+    const std::size_t first = strip * kStrip, last = std::min(pixels, first + kStrip);
+    for (std::size_t pixel = first; pixel < last; ++pixel) trace_pixel(job, pixel, layers);
+    progress(count_paths_of_pixels(primary, maps, first, last));
+  });
+  check_finite(layers, stream_name);
+  return layers;
+}
+
+HdrImage combine_standard_errors(const TracedLayers& layers) {
+  HdrImage combined = layers.background.standard_error;
+  for (std::size_t i = 0; i < combined.values.size(); ++i) {
+    combined.values[i] =
+        std::hypot(layers.background.standard_error.values[i], layers.direct.standard_error.values[i],
+                   layers.indirect.standard_error.values[i]);
+  }
+  return combined;
+}
+
+}  // namespace equilux

@@ -1,0 +1,62 @@
+// The path-traced layers of one family: background, direct and indirect light of the object, and how sure
+// they are.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "protocols/study.h"
+#include "renderer/path_tracer.h"
+#include "renderer/primary.h"
+#include "stimuli/image.h"
+
+namespace equilux {
+
+/// Independent randomisations from which the standard error is taken.
+inline constexpr int kBatches = 16;
+
+/// Paths of one layer at each pixel, in each batch and at each subpixel position. shape: height x width
+using PathMap = std::vector<std::uint32_t>;
+
+struct PathMaps {
+  PathMap background, direct, indirect;
+};
+
+/// Paths a pixel that a count of a study comes to: rounded up to a multiple of kBatches x positions.
+int round_paths(int paths, int positions);
+
+/// The same number of paths at every pixel.
+PathMaps make_fixed_maps(const Primary& primary, const PathCounts& paths);
+
+/// Paths that maps come to where the object and the room are seen. units: paths
+double count_paths(const Primary& primary, const PathMaps& maps);
+
+/// A layer, premultiplied by coverage, and its standard error from kBatches randomisations.
+struct TracedLayer {
+  HdrImage mean, standard_error;
+};
+
+struct TracedLayers {
+  TracedLayer background, direct, indirect;
+};
+
+/// What rays need beside the counts.
+struct FamilyScene {
+  const World& world;
+  const Materials& materials;
+  const Primary& primary;
+};
+
+/// The layers add up, and their errors are independent. Random numbers are a function of seed, stream name,
+/// layer, position and path. `progress` is told the paths done, from any thread.
+/// errors: InputError naming the stream if any radiance is not finite, with their number.
+TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::uint64_t seed,
+                          const std::string& stream_name, const PathMeasures& measures,
+                          const std::function<void(double)>& progress);
+
+/// Standard error of the sum of the layers.
+HdrImage combine_standard_errors(const TracedLayers& layers);
+
+}  // namespace equilux

@@ -1,0 +1,57 @@
+// Pilot, allotment, paths.
+#include "renderer/reference.h"
+
+namespace equilux {
+namespace {
+
+// Share of noise in a path: the standard deviation over the mean, and the displayed step over a relative
+// change, as measured on the café. Only progress is foreseen by them.
+constexpr double kPathsForOneStepOnObject = 6000;
+constexpr double kPathsForOneStepOutside = 2000;
+
+PathMaps make_pilot_maps(const Primary& primary) { return make_fixed_maps(primary, {1, 1, 1}); }
+
+PathCounts guess_counts(const NoiseTarget& target) {
+  const auto paths = [](double at_one_step, double steps) {
+    return static_cast<int>(std::clamp(at_one_step / (steps * steps), 1.0, 1e6));
+  };
+  return {paths(kPathsForOneStepOnObject, target.object_mean), 1,
+          paths(kPathsForOneStepOutside, target.outside_mean)};
+}
+
+PathMaps make_maps(const FamilyScene& scene, const ReferenceParams& params, const FamilyProgress& progress) {
+  if (params.fixed) return make_fixed_maps(scene.primary, *params.fixed);
+  const TracedLayers pilot = trace_layers(scene, make_pilot_maps(scene.primary), params.seed,
+                                          params.stream_name + ".pilot", params.measures, progress.advance);
+  return allot_paths(pilot, make_coverage(scene.primary), scene.primary.positions, params.exposure,
+                     params.tone_key, params.target);
+}
+
+}  // namespace
+
+ReferenceParams make_reference_params(const Study& study, const std::string& stream_name) {
+  return {study.paths, study.noise_target, study.exposure, study.tone_key, study.seed, stream_name, {}};
+}
+
+double estimate_family_paths(const ReferenceParams& params, const Primary& primary) {
+  if (params.fixed) return count_paths(primary, make_fixed_maps(primary, *params.fixed));
+  return count_paths(primary, make_fixed_maps(primary, guess_counts(params.target))) +
+         count_paths(primary, make_pilot_maps(primary));
+}
+
+FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
+                          const FamilyProgress& progress) {
+  const PathMaps maps = make_maps(scene, params, progress);
+  const double paths = count_paths(scene.primary, maps);
+  if (!params.fixed) {
+    progress.expect_more(paths + count_paths(scene.primary, make_pilot_maps(scene.primary)) -
+                         estimate_family_paths(params, scene.primary));
+  }
+  TracedLayers layers =
+      trace_layers(scene, maps, params.seed, params.stream_name, params.measures, progress.advance);
+  HdrImage standard_error = combine_standard_errors(layers);
+  return {std::move(layers.background.mean), std::move(layers.direct.mean), std::move(layers.indirect.mean),
+          std::move(standard_error), paths};
+}
+
+}  // namespace equilux
