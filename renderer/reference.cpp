@@ -9,7 +9,12 @@ namespace {
 constexpr double kPathsForOneStepOnObject = 6000;
 constexpr double kPathsForOneStepOutside = 2000;
 
-PathMaps make_pilot_maps(const Primary& primary) { return make_fixed_maps(primary, {1, 1, 1}); }
+// Enough for the spread of a pixel to be seen, few beside what follows.
+constexpr int kPilotPaths = 64;
+
+PathMaps make_pilot_maps(const Primary& primary) {
+  return make_fixed_maps(primary, {kPilotPaths, kPilotPaths, kPilotPaths});
+}
 
 PathCounts guess_counts(const NoiseTarget& target) {
   const auto paths = [](double at_one_step, double steps) {
@@ -23,8 +28,8 @@ PathMaps make_maps(const FamilyScene& scene, const ReferenceParams& params, cons
   if (params.fixed) return make_fixed_maps(scene.primary, *params.fixed);
   const TracedLayers pilot = trace_layers(scene, make_pilot_maps(scene.primary), params.seed,
                                           params.stream_name + ".pilot", params.measures, progress.advance);
-  return allot_paths(pilot, make_coverage(scene.primary), scene.primary.positions, params.exposure,
-                     params.tone_key, params.target);
+  return allot_paths(pilot, make_pilot_maps(scene.primary), make_coverage(scene.primary),
+                     scene.primary.positions, params.exposure, params.tone_key, params.target);
 }
 
 }  // namespace
