@@ -28,6 +28,13 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
 
+// Mean with what is above the top cut down to it: one hot pixel must not lift delta over all the others.
+double mean_below(const std::vector<double>& values, double top) {
+  double sum = 0;
+  for (double value : values) sum += std::min(value, top);
+  return sum / static_cast<double>(values.size());
+}
+
 std::vector<double> collect_luminance(const HdrImage& image, const HdrImage& coverage, Exposure exposure) {
   std::vector<double> values;
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
@@ -66,7 +73,8 @@ ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, 
   ToneRecord tone;
   tone.key = key;
   tone.exposure = exposure == Exposure::kWhole ? "whole" : "background";
-  const double mean = mean_of(values);
+  const double top = nearest_rank(values, 0.999);
+  const double mean = top > 0 ? mean_below(values, top) : mean_of(values);
   if (!(mean > 0)) {
     tone.log_average = 1;
     return tone;
@@ -75,7 +83,7 @@ ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, 
   double logs = 0;
   for (double value : values) logs += std::log(tone.delta + value);
   tone.log_average = std::exp(logs / static_cast<double>(values.size()));
-  tone.white = nearest_rank(std::move(values), 0.999) * key / tone.log_average;
+  tone.white = top * key / tone.log_average;
   return tone;
 }
 

@@ -13,8 +13,9 @@ HdrImage composite(const std::vector<const HdrImage*>& layers);
 /// Reinhard's global operator, its log-average and white point (99.9th percentile of L by nearest rank) taken
 /// over the pixels of coverage 0, or over all if `exposure` says so or the object covers everything.
 /// Luminance is that of Rec.709 (the paper of the operator uses .27, .67, .06). A black picture gets a curve
-/// that keeps black black. source: Reinhard, Stark, Shirley, Ferwerda, "Photographic tone reproduction for
-/// digital images", SIGGRAPH 2002, eq. 1-4.
+/// that keeps black black. delta is 1e-6 of a mean in which values above the white point count as it, so that
+/// one hot pixel does not set it. source: Reinhard, Stark, Shirley, Ferwerda, "Photographic tone reproduction
+/// for digital images", SIGGRAPH 2002, eq. 1-4.
 ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, Exposure exposure,
                            double key);
 
