@@ -402,6 +402,7 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), HasSubstr("G0-MS-ind-ref-v0.png: expected the digest"));
+  EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
 }
 
 }  // namespace
