@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,13 +22,15 @@ Progress::Progress(std::string label, double total)
     : label_(std::move(label)),
       total_(total),
       is_terminal_(::isatty(STDERR_FILENO) != 0),
+      exceptions_(std::uncaught_exceptions()),
       start_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
   if (!printed_) return;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (is_terminal_) std::fputs("\r\033[K", stderr);
-  fmt::print(stderr, "{}: {:.0f} % in {}\n", label_, total_ > 0 ? 100 * done_ / total_ : 100.0,
+  const bool is_stopped = std::uncaught_exceptions() > exceptions_;
+  fmt::print(stderr, "{}: {} {}\n", label_, is_stopped ? "stopped after" : "done in",
              format_seconds(seconds));
 }
 

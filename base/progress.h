@@ -9,7 +9,8 @@ namespace equilux {
 
 /// Reports done / total on standard error. Thread-safe. On a terminal one line is rewritten five times a
 /// second; elsewhere a line appears after two seconds and then when the share has grown by a tenth and ten
-/// seconds have gone.
+/// seconds have gone. The last line says how long it took: the total is an estimate, which may be missed by
+/// some percent.
 class Progress {
  public:
   /// `total` in any unit of work whose cost is even.
@@ -29,6 +30,7 @@ class Progress {
   double total_;
   double done_ = 0;
   bool is_terminal_;
+  int exceptions_;  ///< in flight at the start
   bool printed_ = false;
   double last_print_s_ = 0;
   double last_share_ = 0;

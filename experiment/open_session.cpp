@@ -39,29 +39,32 @@ void check_files_exist(const StudyFolder& folder, const Manifest& manifest,
   }
 }
 
+std::string prune_command(const StudyFolder& folder, SubjectKind kind) {
+  return fmt::format("equilux-analyze prune {} --kind {}", folder.root.string(), format_kind(kind));
+}
+
 // A selection must be of today's artifact answers, unless a session has used it: then it is frozen.
-void check_is_current(const Selection& selection, const StudyFolder& folder, const TrialLog& log,
+void check_is_current(const Selection& selection, const StudyFolder& folder, const TrialLog* log,
                       SubjectKind kind) {
   const std::string source = folder.selection(kind).string();
   if (selection.kind != kind) {
     throw InputError(source, "/kind", format_kind(kind), format_kind(selection.kind));
   }
-  if (log.has_session_using_selection(digest_selection(selection))) return;
-  const std::string answers = digest_answers(log.load_answers(kind, Experiment::kArtifact));
+  if (log && log->has_session_using_selection(digest_selection(selection))) return;
+  const std::string answers =
+      digest_answers(log ? log->load_answers(kind, Experiment::kArtifact) : std::vector<AnswerRow>{});
   if (selection.answers_digest != answers) {
-    throw InputError(source, "/answers_digest",
-                     fmt::format("{}, of the artifact answers in the log", answers),
-                     fmt::format("{}; `equilux-analyze prune {}` prunes again", selection.answers_digest,
-                                 folder.root.string()));
+    throw InputError(
+        source, "/answers_digest", fmt::format("{}, of the artifact answers in the log", answers),
+        fmt::format("{}; `{}` prunes again", selection.answers_digest, prune_command(folder, kind)));
   }
 }
 
-Selection load_current_selection(const StudyFolder& folder, const TrialLog& log, const Study& study,
+Selection load_current_selection(const StudyFolder& folder, const TrialLog* log, const Study& study,
                                  SubjectKind kind) {
   if (!fs::exists(folder.selection(kind))) {
-    throw InputError(
-        folder.selection(kind).string(), "", "the selection for the material experiment",
-        fmt::format("nothing of that name; `equilux-analyze prune {}` makes it", folder.root.string()));
+    throw InputError(folder.selection(kind).string(), "", "the selection for the material experiment",
+                     fmt::format("nothing of that name; `{}` makes it", prune_command(folder, kind)));
   }
   Selection selection = load_selection(folder.selection(kind), study);
   check_is_current(selection, folder, log, kind);
@@ -124,7 +127,12 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
 
 }  // namespace
 
-SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog& log,
+std::optional<TrialLog> find_log(const StudyFolder& folder) {
+  if (!fs::exists(folder.responses())) return std::nullopt;
+  return TrialLog(folder.responses(), true);
+}
+
+SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log,
                                   const SessionRequest& request) {
   SessionInputs inputs{folder, request.experiment, request.kind, load_folder_study(folder), {}, {}};
   const Manifest manifest = load_checked_manifest(folder, inputs.study);
@@ -170,7 +178,7 @@ OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const Sessi
 }
 
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request) {
-  return open_session(load_session_inputs(folder, log, request), log, request);
+  return open_session(load_session_inputs(folder, &log, request), log, request);
 }
 
 void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& effect) {

@@ -38,9 +38,14 @@ struct SessionInputs {
   SessionDigests digests;
 };
 
-/// Of the request only experiment, kind and truth count. A selection must be of the artifact answers in the
-/// log, unless a session has used it: then it is frozen, and stays in force. errors: InputError
-SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog& log,
+/// The folder's log; empty where no session has begun yet. errors: as TrialLog
+std::optional<TrialLog> find_log(const StudyFolder& folder);
+
+/// Of the request only experiment, kind and truth count. `log` is null where no session has begun: a log is
+/// made only for a session that can begin, since the pictures of a folder with a log may not change any more.
+/// A selection must be of the artifact answers in the log, unless a session has used it: then it is frozen,
+/// and stays in force. errors: InputError
+SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log,
                                   const SessionRequest& request);
 
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished

@@ -2,6 +2,7 @@
 #include "experiment/simulate.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -78,9 +79,10 @@ std::string participant_code(std::uint64_t seed, std::int64_t index) {
 SimulateCounts simulate_subjects(const StudyFolder& folder, const SimulateParams& params) {
   const Study study = load_folder_study(folder);
   const Truth truth = load_truth(params.truth.value_or(folder.truth()), study);
-  TrialLog log(folder.responses(), true);
+  std::optional<TrialLog> found = find_log(folder);
   SessionRequest request{params.experiment, SubjectKind::kPlanted, "", params.seed, params.truth, {}};
-  const SessionInputs inputs = load_session_inputs(folder, log, request);
+  const SessionInputs inputs = load_session_inputs(folder, found ? &*found : nullptr, request);
+  TrialLog log = found ? std::move(*found) : TrialLog(folder.responses(), true);
   Progress progress(fmt::format("simulate {}", format_experiment(params.experiment)), params.subjects);
   SimulateCounts counts;
   const auto seat = [&](const std::string& participant) {

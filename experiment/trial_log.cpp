@@ -202,7 +202,8 @@ void check_is_log(const Database& database) {
 
 void check_is_whole(const Database& database) {
   Statement statement(database, "PRAGMA quick_check(1)");
-  const std::string result = statement.step() ? statement.text(0) : "nothing";
+  std::string result = statement.step() ? statement.text(0) : "nothing";
+  std::replace(result.begin(), result.end(), '\n', ' ');
   if (result != "ok") throw InputError(database.name(), "", "a whole log of responses", result);
 }
 

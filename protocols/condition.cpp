@@ -112,6 +112,8 @@ bool is_token(std::string_view text) {
                      [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); });
 }
 
+bool is_vpl_count(std::string_view text) { return read_vpl_count(text).has_value(); }
+
 std::string format_illumination(Illumination illumination) {
   return illumination == Illumination::kIndirect ? "ind" : "dir";
 }

@@ -78,6 +78,9 @@ Family parse_family(std::string_view text, std::string_view source, std::string_
 /// key.
 bool is_token(std::string_view text);
 
+/// True for what parse_vpl_count takes.
+bool is_vpl_count(std::string_view text);
+
 Family family_of(const Condition& condition);
 
 }  // namespace equilux

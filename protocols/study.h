@@ -44,8 +44,8 @@ enum class Exposure {
   kBackground,
   kWhole
 };  ///< pixels that set a family's tone curve: of coverage 0, or all
-/// How a VPL sends its light on: by the diffuse part of the surface it lies on, as the paper's formula says, or by
-/// all of its BRDF.
+/// How a VPL sends its light on: by the diffuse part of the surface it lies on, as the paper's formula says,
+/// or by all of its BRDF.
 enum class Emission { kLambertian, kFull };
 
 enum class ViewMode {
@@ -63,7 +63,8 @@ struct Study {
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels
   int subpixel_positions = 1;
-  std::optional<PathCounts> paths;  ///< of references; empty: as many as noise_target asks for, pixel by pixel
+  std::optional<PathCounts>
+      paths;  ///< of references; empty: as many as noise_target asks for, pixel by pixel
   NoiseTarget noise_target;
   Emission emission = Emission::kLambertian;
   double tone_key = 0.18;

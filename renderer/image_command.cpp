@@ -21,6 +21,21 @@ struct ImageOptions {
   std::filesystem::path out, png;
 };
 
+CLI::Validator is_vpls() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return is_vpl_count(text) ? std::string()
+                                  : fmt::format("expected a count such as 1k, 100k or 5M, got {}", text);
+      },
+      "COUNT", "vpls");
+}
+
+CLI::Validator is_clamp() {
+  std::vector<std::string> levels;
+  for (int level = 0; level < kClampLevelCount; ++level) levels.push_back(format_clamp(level));
+  return CLI::IsMember(levels);
+}
+
 PictureParams to_params(const ImageOptions& options) {
   PictureParams params = options.params;
   params.object.illumination = parse_illumination(options.illumination, "--illumination");
@@ -77,10 +92,11 @@ void add_image(CLI::App& app, CommandLine& line) {
   image->add_option("--view", options->view, "v0 or v1")->check(CLI::IsMember({"v0", "v1"}));
   image->add_option("--method", options->method, "path, or vpl: VPLs light the object")
       ->check(CLI::IsMember({"path", "vpl"}));
-  image->add_option("--vpls", options->vpls, "Number of VPLs, such as 100k");
-  image->add_option("--clamp", options->clamp, "Clamp level C0 .. C10");
-  image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")
-      ->check(CLI::IsMember({"lambertian", "full"}));
+  const std::vector<CLI::Option*> of_vpls = {
+      image->add_option("--vpls", options->vpls, "Number of VPLs (100k)")->check(is_vpls()),
+      image->add_option("--clamp", options->clamp, "Clamp level (C0, none)")->check(is_clamp()),
+      image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")
+          ->check(CLI::IsMember({"lambertian", "full"}))};
   image->add_option("--width", options->params.width, "Pixels (560)")->check(CLI::Range(1, 16384));
   image->add_option("--height", options->params.height, "Pixels (420)")->check(CLI::Range(1, 16384));
   image->add_option("--positions", options->params.positions, "Subpixel positions (4)")
@@ -99,7 +115,14 @@ void add_image(CLI::App& app, CommandLine& line) {
       "Example: equilux-render image stimuli/scenes/cafe.json --geometry G2 --material MS --method vpl "
       "--vpls 1k "
       "--clamp C4 --out g2.exr --png g2.png");
-  image->callback([&line, options] { line.command = [options] { return write_image(*options); }; });
+  image->callback([&line, options, of_vpls] {
+    for (const CLI::Option* option : of_vpls) {
+      if (options->method == "path" && option->count() > 0) {
+        throw CLI::ValidationError(option->get_name(), "only VPL pictures have it; give --method vpl");
+      }
+    }
+    line.command = [options] { return write_image(*options); };
+  });
 }
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #include "experiment/app/app.h"
 
 #include <algorithm>
+#include <deque>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
@@ -19,6 +20,8 @@ namespace equilux {
 namespace {
 
 constexpr double kPatienceS = 0.1;
+// ImGui 1.86 moves the keyboard into a field over some frames, and drops what is typed meanwhile.
+constexpr int kFramesToFocus = 4;
 
 std::unique_ptr<AppWindow> open_window(const AppParams& params, const Display& display) {
   const Size screen = display.size();
@@ -35,18 +38,45 @@ bool read_start_key(const InputEvent& event, StartForm& form) {
   return event.key == Key::kEnter;
 }
 
-// One frame of the start screen; true when all has been typed and is to be tried.
-bool ask(AppWindow& window, Gui& gui, StartForm& form, bool& is_submitted) {
+// One frame of the start screen; true when its button was pressed.
+bool draw_start_frame(AppWindow& window, Gui& gui, StartForm& form) {
   window.clear();
   gui.begin_frame();
-  is_submitted = draw_start(gui, window.framebuffer(), form) || is_submitted;
+  const bool is_pressed = draw_start(gui, window.framebuffer(), form);
   gui.end_frame();
   window.swap();
-  if (!gui.has_events() && std::exchange(is_submitted, false)) return true;
-  window.wait(gui.has_events() ? 0 : kPatienceS);
-  const auto events = window.take_events();
-  gui.take(events);
-  for (const InputEvent& event : events) is_submitted = read_start_key(event, form) || is_submitted;
+  return is_pressed;
+}
+
+// What was done on the start screen. What follows Enter waits until that was tried and a field is ready
+// again.
+struct StartInput {
+  std::deque<InputEvent> waiting;
+  bool is_submitted = false;
+};
+
+void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
+  while (!input.is_submitted && !input.waiting.empty()) {
+    InputEvent event = input.waiting.front();
+    input.waiting.pop_front();
+    gui.take({event});
+    input.is_submitted = read_start_key(event, form);
+    if (!input.is_submitted) continue;
+    event.kind = InputKind::kKeyRelease;  // else ImGui repeats an Enter that seems held, and leaves the field
+    gui.take({event});
+  }
+}
+
+// Draws the start screen and reads what was done; true when all of it is on the screen and is to be tried.
+bool ask(AppWindow& window, Gui& gui, StartForm& form, StartInput& input) {
+  const int frames = form.takes_focus ? kFramesToFocus : 1;
+  for (int i = 0; i < frames; ++i) {
+    input.is_submitted = draw_start_frame(window, gui, form) || input.is_submitted;
+  }
+  if (!gui.has_events() && std::exchange(input.is_submitted, false)) return true;
+  window.wait(gui.has_events() || !input.waiting.empty() ? 0 : kPatienceS);
+  for (const InputEvent& event : window.take_events()) input.waiting.push_back(event);
+  read_start_input(gui, form, input);
   return false;
 }
 
@@ -54,9 +84,9 @@ bool ask(AppWindow& window, Gui& gui, StartForm& form, bool& is_submitted) {
 std::optional<Workplace> ask_for_workplace(const AppParams& params, const Display& display, AppWindow& window,
                                            Gui& gui) {
   StartForm form = make_start_form(params);
-  bool is_submitted = false;
+  StartInput input;
   while (!window.is_closing()) {
-    if (!ask(window, gui, form, is_submitted)) continue;
+    if (!ask(window, gui, form, input)) continue;
     form.takes_focus = true;
     try {
       return open_workplace(read_start_form(form, params), display, window);

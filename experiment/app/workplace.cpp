@@ -60,9 +60,10 @@ Workplace open_workplace(const AppParams& params, const Display& display, AppWin
   request.participant = params.participant;
   request.seed = draw_seed();
   request.screen = make_screen_record(display, layout, study, achieved);
-  TrialLog log(folder.responses(), true);
-  const SessionInputs inputs = load_session_inputs(folder, log, request);
+  std::optional<TrialLog> found = find_log(folder);
+  const SessionInputs inputs = load_session_inputs(folder, found ? &*found : nullptr, request);
   check_pictures(folder, manifest, enumerate_showable(study, inputs.experiment, inputs.cells));
+  TrialLog log = found ? std::move(*found) : TrialLog(folder.responses(), true);
   OpenSession open = open_session(inputs, log, request);
 
   std::vector<std::string> remarks;

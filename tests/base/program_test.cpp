@@ -1,8 +1,10 @@
 // Where a program ends: exit codes, the message, and how a duration reads.
 #include "base/program.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <new>
+#include <thread>
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -51,6 +53,22 @@ TEST(ProgressOfAShortJob, SaysNothing) {
     for (int i = 0; i < 10; ++i) progress.advance(1);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// Half of the work in a little over two seconds; then the job ends there, by itself or by an error.
+TEST(ProgressOfALongJob, SaysHowLongItTookAndNeverThatAWholeJobIsHalfDone) {
+  testing::internal::CaptureStderr();
+  const auto work = [](bool fails) {
+    Progress progress("job", 10);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2050));
+    progress.advance(5);
+    if (fails) throw StoreError("full");
+  };
+  work(false);
+  EXPECT_THROW(work(true), StoreError);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              MatchesRegex("job:  50 %, 2\\.[0-9] s left\njob: done in 2\\.[0-9] s\n"
+                           "job:  50 %, 2\\.[0-9] s left\njob: stopped after 2\\.[0-9] s\n"));
 }
 
 }  // namespace

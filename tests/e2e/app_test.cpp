@@ -147,6 +147,23 @@ TEST_F(AppTest, TheStartScreenAsksForWhatIsMissingAndSaysWhatIsWrong) {
   EXPECT_EQ(session.program().wait(), 0);
 }
 
+// Nobody waits for the error: the path is typed while the start screen tries without one.
+TEST_F(AppTest, WhatIsTypedWhileTheStartScreenIsBusyIsNotLost) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, {});
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Tab");
+  display.type_text("P08");
+  display.type_key("F1");
+  display.type_key("Return");
+  display.type_text(folder.root.string());
+  display.type_key("Return");
+  ASSERT_NE(session.wait_for_session(Experiment::kArtifact), 0);
+  EXPECT_EQ(TrialLog(folder.responses()).load_sessions().back().participant, "P08");
+}
+
 TEST_F(AppTest, AHeldKeyAnswersOnceAndMustBeLetGoBeforeTheNextAnswer) {
   const StudyFolder folder = make_study(kSmallPlan);
   XDisplay display;
@@ -385,6 +402,7 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), HasSubstr("G0-MS-ind-ref-v0.png: expected the digest"));
+  EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
 }
 
 }  // namespace

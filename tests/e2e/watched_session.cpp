@@ -167,6 +167,7 @@ std::int64_t WatchedSession::wait_for_session(Experiment experiment) {
     }
     return id != 0;
   });
+  if (id == 0) keep("no-session");
   EXPECT_NE(id, 0) << program_.read_output();
   return id;
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <optional>
+#include <poll.h>
 #include <string>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -36,6 +37,7 @@ class Child {
     ::close(out[1]);
     ::close(err[1]);
     out_ = ::fdopen(out[0], "r");
+    std::setvbuf(out_, nullptr, _IONBF, 0);  // so that what is ready is all in the pipe
     err_ = ::fdopen(err[0], "r");
   }
   ~Child() {
@@ -59,6 +61,21 @@ class Child {
     return std::nullopt;
   }
 
+  /// The next line if the program has written one. It writes each line at once.
+  std::optional<std::string> read_ready_line() {
+    pollfd ready{::fileno(out_), POLLIN, 0};
+    if (::poll(&ready, 1, 0) != 1 || (ready.revents & POLLIN) == 0) return std::nullopt;
+    return read_line();
+  }
+
+  /// Halts the program where it is and returns when it stands; false if it has ended.
+  bool stop() {
+    ::kill(pid_, SIGSTOP);
+    siginfo_t info{};
+    EQ_CHECK(::waitid(P_PID, static_cast<id_t>(pid_), &info, WSTOPPED | WEXITED | WNOWAIT) == 0);
+    return info.si_code == CLD_STOPPED;
+  }
+  void go_on() { ::kill(pid_, SIGCONT); }
   void kill() { ::kill(pid_, SIGKILL); }
 
   ChildResult wait() {

@@ -63,17 +63,24 @@ class Kill : public ::testing::Test {
             "--acknowledge"};
   }
 
-  // Reads a random number of acknowledgements, waits a moment, kills; gives how many came in this run.
+  // Reads a random number of acknowledgements, waits a moment, halts, and kills if that was in mid-session:
+  // else it lets go on to the next session, in which another moment comes. Gives how many came in this run.
   int run_and_kill(RandomStream& random) {
     Child child(kSessionProgram, arguments(folder_));
     const auto wanted = static_cast<int>(1 + random.next_below(2 * kTrials));
     int heard = 0;
-    while (heard < wanted) {
-      const auto line = child.read_line();
-      if (!line) break;
-      hear(*line, heard);
-    }
-    std::this_thread::sleep_for(std::chrono::microseconds(random.next_below(300)));
+    bool is_halted = false;
+    do {
+      if (is_halted) child.go_on();
+      do {
+        const auto line = child.read_line();
+        if (!line) break;
+        hear(*line, heard);
+      } while (heard < wanted);
+      std::this_thread::sleep_for(std::chrono::microseconds(random.next_below(300)));
+      is_halted = child.stop();
+      while (const auto line = child.read_ready_line()) hear(*line, heard);
+    } while (is_halted && last_trial_ == kTrials - 1);
     child.kill();
     while (const auto line = child.read_line()) hear(*line, heard);  // said before the kill
     EXPECT_EQ(child.wait().signal, SIGKILL) << "the program was over before it was killed";
@@ -83,6 +90,7 @@ class Kill : public ::testing::Test {
     const auto name = parse_acknowledgement(line);
     ASSERT_TRUE(name) << line;
     EXPECT_TRUE(acknowledged_.insert(*name).second) << "answered twice: " << line;
+    last_trial_ = name->second;
     ++heard;
   }
 
@@ -90,6 +98,7 @@ class Kill : public ::testing::Test {
   StudyFolder folder_ = make_fake_study(first_.path());
   StudyFolder undisturbed_ = make_fake_study(second_.path());
   std::set<TrialName> acknowledged_;
+  int last_trial_ = -1;  ///< that was acknowledged
 };
 
 // Seed 41: after 1 to 64 acknowledgements and 0 to 0.3 ms more, 20 times, in 240 sessions of 32 trials.

@@ -137,7 +137,18 @@ TEST_F(Simulate, SharesPlantedParticipantsBetweenTheExperiments) {
 TEST_F(Simulate, WantsASelectionForTheMaterialExperiment) {
   simulate_subjects(folder_, params_of(Experiment::kArtifact, 1));
   EXPECT_THAT([&] { simulate_subjects(folder_, params_of(Experiment::kMaterial, 1)); },
-              ThrowsMessage<InputError>(HasSubstr("equilux-analyze prune " + folder_.root.string())));
+              ThrowsMessage<InputError>(
+                  HasSubstr("`equilux-analyze prune " + folder_.root.string() + " --kind planted`")));
+}
+
+// A log locks the pictures of its folder, so none may be left by a session that could not begin.
+TEST_F(Simulate, MakesNoLogWhereNoSessionCanBegin) {
+  EXPECT_THROW(simulate_subjects(folder_, params_of(Experiment::kMaterial, 1)), InputError);
+  save_fake_selection(folder_, SubjectKind::kPlanted, {5});
+  std::filesystem::remove_all(folder_.picture_folder());
+  EXPECT_THROW(simulate_subjects(folder_, params_of(Experiment::kArtifact, 1)), InputError);
+  EXPECT_THROW(simulate_subjects(folder_, params_of(Experiment::kMaterial, 1)), InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder_.responses()));
 }
 
 TEST_F(Simulate, WantsASelectionOfTodaysArtifactAnswers) {

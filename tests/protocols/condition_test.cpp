@@ -42,13 +42,16 @@ TEST(VplCounts, AreWrittenInOneWayOnly) {
   for (const auto& [count, text] : cases) {
     EXPECT_EQ(format_vpl_count(count), text);
     EXPECT_EQ(parse_vpl_count(text, "test"), count);
+    EXPECT_TRUE(is_vpl_count(text)) << text;
   }
 }
 
 TEST(VplCounts, RefuseWhatIsNoCount) {
   for (const char* text : {"", "0", "0k", "k", "M", "1K", "1m", "-1k", "+1k", "1.5M", "1 k", "01k", "1kk",
-                           "1001M", "99999999999999999999", "1e3", "0x10"})
+                           "1001M", "99999999999999999999", "1e3", "0x10"}) {
     EXPECT_THROW(parse_vpl_count(text, "test"), InputError) << text;
+    EXPECT_FALSE(is_vpl_count(text)) << text;
+  }
 }
 
 TEST(ClampLevels, RefuseWhatIsNone) {

@@ -198,8 +198,12 @@ TEST_F(ProgramInput, NamesWrongValuesOfPictures) {
   };
   expect_input_error("render", with_words({"--geometry", "teapot"}), "teapot");
   expect_input_error("render", with_words({"--material", "velvet"}), "velvet");
-  expect_input_error("render", with_words({"--method", "vpl", "--vpls", "several"}), "--vpls");
-  expect_input_error("render", with_words({"--method", "vpl", "--clamp", "C11"}), "--clamp");
+  expect_usage_error("render", with_words({"--method", "vpl", "--vpls", "several"}));
+  expect_usage_error("render", with_words({"--method", "vpl", "--vpls", "0k"}));
+  expect_usage_error("render", with_words({"--method", "vpl", "--clamp", "C11"}));
+  expect_usage_error("render", with_words({"--vpls", "1k"}));
+  expect_usage_error("render", with_words({"--clamp", "C4"}));
+  expect_usage_error("render", with_words({"--emission", "full"}));
   EXPECT_FALSE(fs::exists(path("a.exr")));
 }
 
