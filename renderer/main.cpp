@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   add_tonemap(app, line);
   add_prove(app, line);
   add_stress(app, line);
+  add_export(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -23,8 +23,9 @@ struct Subcommand {
 };
 
 const std::vector<Subcommand> kSubcommands = {
-    {"render", "set"},         {"render", "image"},   {"render", "tonemap"}, {"session", "simulate"},
-    {"session", "run", false}, {"session", "status"}, {"analyze", "prune"},  {"analyze", "report"}};
+    {"render", "set"},     {"render", "image"},     {"render", "tonemap"},
+    {"render", "export"},  {"session", "simulate"}, {"session", "run", false},
+    {"session", "status"}, {"analyze", "prune"},    {"analyze", "report"}};
 const std::vector<std::string> kPrograms = {"render", "session", "analyze"};
 
 std::string describe(const std::string& program, const Words& words) {
@@ -94,6 +95,10 @@ TEST(Programs, LeaveWithTwoOnAWrongCommandLine) {
   }
   expect_usage_error("render", {"set", "study.json"});
   expect_usage_error("render", {"image", kCafe});
+  expect_usage_error("render", {"export", kCafe});
+  expect_usage_error("render", {"export", kCafe, "--out", "a.py", "--illumination", "dark"});
+  expect_usage_error("render", {"export", kCafe, "--out", "a.py", "--view", "v2"});
+  expect_usage_error("render", {"export", kCafe, "--out", "a.py", "--width", "0"});
   expect_usage_error("analyze", {"report", "a", "--rule", "psychic"});
   expect_usage_error("analyze", {"prune", "a", "--kind", "martian"});
 }
@@ -119,6 +124,7 @@ TEST_F(ProgramInput, NamesWhatIsNotThere) {
   }
   expect_input_error("render", {"set", nowhere + ".json", "--out", path("out")}, nowhere + ".json");
   expect_input_error("render", image_words(nowhere + ".json", path("a.exr")), nowhere + ".json");
+  expect_input_error("render", {"export", nowhere + ".json", "--out", path("a.py")}, nowhere + ".json");
   EXPECT_FALSE(fs::exists(nowhere));
   EXPECT_FALSE(fs::exists(path("out"))) << "a study that cannot be read makes no folder";
 }
@@ -187,6 +193,7 @@ TEST_F(ProgramInput, NamesAPlaceThatCannotBeWritten) {
   expect_input_error("render", {"set", study.path().string(), "--out", path("file")}, path("file"));
   expect_input_error("render", image_words(kCafe, path("file/a.exr")), path("file/a.exr"));
   expect_input_error("render", image_words(kCafe, path("no-folder/a.exr")), path("no-folder/a.exr"));
+  expect_input_error("render", {"export", kCafe, "--out", path("no-folder/a.py")}, path("no-folder/a.py"));
   EXPECT_EQ(load_text(path("file")), "a regular file");
 }
 
@@ -205,6 +212,27 @@ TEST_F(ProgramInput, NamesWrongValuesOfPictures) {
   expect_usage_error("render", with_words({"--clamp", "C4"}));
   expect_usage_error("render", with_words({"--emission", "full"}));
   EXPECT_FALSE(fs::exists(path("a.exr")));
+}
+
+TEST_F(ProgramInput, NamesWrongValuesOfExports) {
+  const Words words = {"export", kCafe, "--out", path("a.py")};
+  for (const auto& [option, value] :
+       std::vector<std::pair<std::string, std::string>>{{"--geometry", "teapot"}, {"--material", "velvet"}}) {
+    Words more = words;
+    more.insert(more.end(), {option, value});
+    expect_input_error("render", more, value);
+  }
+  EXPECT_FALSE(fs::exists(path("a.py")));
+}
+
+TEST_F(ProgramInput, LeavesNoHalfOfAnExportOnAFullDisk) {
+  const std::vector<std::string> words = {"export", kCafe, "--material", "LG", "--out", path("a.py")};
+  const ChildResult full = Child(EQUILUX_BIN_DIR "/equilux-render", words, 1 << 20).wait();
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_THAT(full.err, HasSubstr(path("a.py")));
+  EXPECT_TRUE(fs::is_empty(temporary_.path()));
+  EXPECT_THAT(run_well("render", words), AllOf(HasSubstr("21 spots"), HasSubstr(path("a.py"))));
+  EXPECT_TRUE(load_text(path("a.py")).ends_with("render()\n"));
 }
 
 // Without a screen or without a window library: `run` says so in one line.

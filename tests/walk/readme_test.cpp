@@ -104,6 +104,7 @@ TEST_F(Readme, EveryCommandDoesWhatItSays) {
   check_folder_table(readme);
   EXPECT_EQ(load_png(folder_ / "picture.png").width, 140);
   EXPECT_EQ(load_exr(folder_ / "picture.exr").image.height, 105);
+  EXPECT_THAT(load_text(folder_ / "g2.py"), HasSubstr("import bpy"));
   EXPECT_THAT(run("build/release/bin/equilux-render set protocols/pocket.json --out studies/pocket"),
               HasSubstr("184 pictures, 0 written now, 0 layers rendered now"));
 }
