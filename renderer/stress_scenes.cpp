@@ -163,13 +163,13 @@ void add_black(std::vector<StressRow>& rows) {
                                     [&] { find_path_count(world, 1000, 1); }));
 }
 
-// A spot ten micrometres before a wall, and a camera that sees the spot's own micrometres.
+// A spot four micrometres before a wall, and a camera that sees the spot's own micrometres.
 StressText strong_light(const char* intensity) {
   StressText text;
   text.camera =
-      R"({"position": [0.5, -3, 0.5], "target": [0.5, 0, 0.5], "up": [0, 0, 1], "vertical_fov_degrees": 0.01})";
+      R"({"position": [0.5, -1, 0.5], "target": [0.5, 0, 0.5], "up": [0, 0, 1], "vertical_fov_degrees": 0.01})";
   text.meshes = R"([{"name": "object", "quad": {"u": [1, 0, 0], "v": [0, 0, 1]}}])";
-  text.lights = fmt::format(R"([{{"spot": {{"position": [0.5, -1e-5, 0.5], "target": [0.5, 0, 0.5],
+  text.lights = fmt::format(R"([{{"spot": {{"position": [0.5, -4e-6, 0.5], "target": [0.5, 0, 0.5],
     "inner_degrees": 60, "outer_degrees": 90, "intensity": [{0}, {0}, {0}]}}}}])",
                             intensity);
   return text;
@@ -206,7 +206,7 @@ std::vector<StressRow> stress_scenes() {
   rows.push_back(stress_light_inside());
   add_black(rows);
   rows.push_back(expect_input_error("light",
-                                    "1e30 W/sr ten micrometres before the object: radiance beyond float",
+                                    "1e30 W/sr four micrometres before the object: radiance beyond float",
                                     [] { render(make_stress_scene(strong_light("1e30")), "grey", 10); }));
   rows.push_back(expect_input_error("light", "1e31 W/sr, more than a scene may say",
                                     [] { make_stress_scene(strong_light("1e31")); }));

@@ -117,8 +117,8 @@ TEST(Reference, AMutantThatStopsOnItsOwnSamplesIsCaught) {
 }
 
 TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
-  const Stage stage(32, 2);
-  for (const NoiseTarget target : {NoiseTarget{3, 6, 6}, NoiseTarget{1, 3, 2}, NoiseTarget{2, 4, 1}}) {
+  const Stage stage(32, 1);
+  for (const NoiseTarget target : {NoiseTarget{3, 6, 6}, NoiseTarget{1, 3, 2}, NoiseTarget{2, 4, 1.5}}) {
     const auto layers = stage.trace(adaptive(target, 7));
     const DisplayNoise noise = stage.noise(layers);
     EXPECT_TRUE(meets_target(noise, target))
