@@ -2,7 +2,7 @@
 # Renders two scenes, two geometries and both illuminations with equilux-render and with Blender's Cycles, and compares the
 # pictures region by region; then shows that the comparison finds pictures that are too bright.
 #   cycles.sh BIN-FOLDER OUT-FOLDER [TIMES]    TIMES as many pictures of each renderer (1)
-# Leaves with 1 if they disagree anywhere or if a mutant is not found. Cases that are complete are not rendered again.
+# Leaves with 1 if they disagree anywhere or if a mutant is not found. Pictures that are there are not made again.
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$1 out=$2 times=${3:-1}
@@ -21,22 +21,22 @@ render_ours() {
   echo "$family ours $seed $seconds" >>"$folder/seconds.txt"
 }
 
-# render_cycles FAMILY FOLDER PICTURES SAMPLES
+# render_cycles FAMILY FOLDER FIRST-SEED PICTURES SAMPLES
 render_cycles() {
-  blender -b --python-exit-code 1 --python "$2/$1.py" -- --samples "$4" --seeds "$3" --threads $threads \
+  blender -b --python-exit-code 1 --python "$2/$1.py" -- --samples "$5" --seed "$3" --seeds "$4" --threads $threads \
     --out "$2/$1-cycles-{}.exr" |
-    sed -nE "s|^rendered .*-cycles-([0-9]+)\.exr: seconds (.*) processor (.*)$|$1 cycles \1 \2 \3|p" >>"$2/seconds.txt"
+    sed -unE "s|^rendered .*-cycles-([0-9]+)\.exr: seconds (.*) processor (.*)$|$1 cycles \1 \2 \3|p" >>"$2/seconds.txt"
 }
 
 # render_case SCENE FOLDER GEOMETRY ILLUMINATION OURS THEIRS SAMPLES
 render_case() {
-  local folder=$2 family=$3-LG-$4-ref-v0 seed
+  local folder=$2 family=$3-LG-$4-ref-v0 have seed
   local object=(--geometry "$3" --material LG --illumination "$4" --view v0)
-  if grep -q "^$family cycles $6 " "$folder/seconds.txt"; then return; fi
-  sed -i "/^$family /d" "$folder/seconds.txt"
   "$bin/equilux-render" export "$1" "${object[@]}" --width $width --height $height --out "$folder/$family.py" >/dev/null
-  for seed in $(seq "$5"); do render_ours "$1" "$family" "$folder" "$seed" "${object[@]}"; done
-  render_cycles "$family" "$folder" "$6" "$7"
+  have=$(grep -c "^$family ours " "$folder/seconds.txt" || true)
+  for seed in $(seq $((have + 1)) "$5"); do render_ours "$1" "$family" "$folder" "$seed" "${object[@]}"; done
+  have=$(grep -c "^$family cycles " "$folder/seconds.txt" || true)
+  if [ "$have" -lt "$6" ]; then render_cycles "$family" "$folder" $((have + 1)) $(($6 - have)) "$7"; fi
 }
 
 # compare_scene SCENE NAME OURS THEIRS SAMPLES: half the level each, .01 over both scenes.
@@ -67,7 +67,7 @@ expect_found() {
 failed=0
 blender --version | head -n 1
 echo "$width x $height pixels, our $positions subpixel positions, $threads threads"
-compare_scene tests/peer/room.json room 8 12 320
+compare_scene tests/peer/room.json room 16 24 320
 compare_scene stimuli/scenes/cafe.json cafe 6 24 400
 echo
 expect_found tests/peer/room.json room 1.005
