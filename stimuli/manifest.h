@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,7 @@ struct Manifest {
   std::uint64_t seed = 0;
   int width = 0;
   int height = 0;
+  std::optional<NoiseTarget> noise_target;        ///< of the references; what they have is their standard_error
   std::map<std::string, ToneRecord> tones;        ///< by key of the reference
   std::map<std::string, PictureRecord> pictures;  ///< by key of picture or reference
 };
