@@ -38,9 +38,10 @@ struct Manifest {
   std::uint64_t seed = 0;
   int width = 0;
   int height = 0;
-  std::optional<NoiseTarget> noise_target;        ///< of the references; what they have is their standard_error
   std::map<std::string, ToneRecord> tones;        ///< by key of the reference
   std::map<std::string, PictureRecord> pictures;  ///< by key of picture or reference
+  /// Of the references; what they have is their standard_error.
+  std::optional<NoiseTarget> noise_target = std::nullopt;
 };
 
 /// errors: InputError

@@ -8,7 +8,7 @@ namespace {
 
 using namespace equilux;
 
-constexpr int kWidth = 140, kHeight = 105, kPaths = 512;
+constexpr int kWidth = 140, kHeight = 105, kPaths = 128;
 
 struct Outcome {
   DisplayNoise noise;
@@ -54,7 +54,7 @@ double cost(const Outcome& outcome) {
 double gain_of_allotment(const Stage& stage, const Outcome& even) {
   ReferenceParams params;
   params.stream_name = "bench";
-  params.target = {2, 6, 4};
+  params.target = {3, 9, 6};
   const Outcome allotted = stage.trace(params);
   const double worst = std::max({even.noise.object_mean / allotted.noise.object_mean,
                                  even.noise.object_p99 / allotted.noise.object_p99,
