@@ -149,6 +149,11 @@ def set_up(arguments):
         scene.render.threads_mode = "FIXED"
         scene.render.threads = arguments.threads
     settings = scene.cycles
+    if arguments.bvh2:
+        preferences = bpy.context.preferences
+        preferences.experimental.use_cycles_debug = True
+        preferences.view.show_developer_ui = True
+        settings.debug_bvh_layout = "BVH2"
     settings.device = "CPU"
     settings.samples = arguments.samples
     settings.time_limit = arguments.seconds
@@ -185,6 +190,7 @@ def render():
     parser.add_argument("--seed", type=int, default=1, help="first seed (1)")
     parser.add_argument("--seeds", type=int, default=1, help="number of pictures, each with the next seed (1)")
     parser.add_argument("--threads", type=int, default=0, help="0 for all cores")
+    parser.add_argument("--bvh2", action="store_true", help="Cycles' own ray tracer in place of Embree")
     parser.add_argument("--out", required=True, help="EXR file, 32-bit linear Rec.709; {} stands for the seed")
     arguments = parser.parse_args(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else [])
     set_up(arguments)
