@@ -18,7 +18,7 @@ struct ImageOptions {
               emission = "lambertian";
   int paths = 256;
   std::vector<double> noise_target;
-  std::filesystem::path out, png;
+  std::filesystem::path out, png, error_png;
 };
 
 CLI::Validator is_vpls() {
@@ -56,7 +56,9 @@ PictureParams to_params(const ImageOptions& options) {
 int write_image(const ImageOptions& options) {
   const PictureParams params = to_params(options);
   check_writable(options.out);
-  if (!options.png.empty()) check_writable(options.png);
+  for (const auto& path : {options.png, options.error_png}) {
+    if (!path.empty()) check_writable(path);
+  }
   const Picture picture = make_picture(params);
   ExrMetadata metadata{{"equilux_method", options.method},
                        {"equilux_seed", fmt::format("{}", params.seed)},
@@ -65,6 +67,7 @@ int write_image(const ImageOptions& options) {
   if (params.vpl_count) metadata["equilux_clamp_per_m2"] = fmt::format("{}", params.clamp_per_m2);
   save_exr(picture.image, metadata, options.out);
   if (!options.png.empty()) save_png(picture.display, options.png);
+  if (!options.error_png.empty()) save_png(picture.noise_display, options.error_png);
   if (params.vpl_count) fmt::print("VPLs: {}\n", picture.vpl_count);
   fmt::print(
       "standard error of the path-traced parts, steps of 255: object mean {:.2f}, p99 {:.2f}; outside mean "
@@ -85,6 +88,8 @@ void add_image(CLI::App& app, CommandLine& line) {
   image->add_option("scene", options->params.scene_path, "Scene file")->required();
   image->add_option("--out", options->out, "EXR file to write")->required();
   image->add_option("--png", options->png, "PNG to write too, through the tone curve of its own background");
+  image->add_option("--error-png", options->error_png,
+                    "PNG of the path-traced parts' standard error, 51 grey levels a displayed step");
   image->add_option("--geometry", options->params.object.geometry, "Geometry of the object (G0)");
   image->add_option("--material", options->params.object.material, "Material of the object (MS)");
   image->add_option("--illumination", options->illumination, "ind or dir")

@@ -22,6 +22,14 @@ HdrImage shade_object(const World& world, const Primary& primary, const PictureP
   return layer;
 }
 
+LdrImage show_noise(const HdrImage& image, const HdrImage& standard_error, const ToneRecord& tone) {
+  LdrImage shown(image.width, image.height);
+  const std::vector<double> noise = measure_pixel_noise(image, standard_error, tone);
+  for (std::size_t i = 0; i < shown.values.size(); ++i)
+    shown.values[i] = static_cast<std::uint8_t>(std::min(255.0, 51 * noise[i / 3]));
+  return shown;
+}
+
 FamilyLayers trace_path_layers(const FamilyScene& scene, const PictureParams& params) {
   ReferenceParams reference;
   if (params.noise_target) {
@@ -62,6 +70,7 @@ Picture make_picture(const PictureParams& params) {
   const HdrImage coverage = make_coverage(primary);
   const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);
   picture.display = apply_tone_curve(picture.image, tone);
+  picture.noise_display = show_noise(picture.image, traced.standard_error, tone);
   picture.noise = measure_display_noise(picture.image, traced.standard_error, coverage, tone);
   return picture;
 }

@@ -31,7 +31,8 @@ struct Picture {
   LdrImage display;            ///< through the tone curve of its own background
   std::int64_t vpl_count = 0;  ///< true number
   DisplayNoise noise;          ///< of its path-traced parts
-  double paths = 0;            ///< traced for those, in all
+  LdrImage noise_display;  ///< the same at each pixel, 51 grey levels a step: white is five steps and more
+  double paths = 0;        ///< traced for those, in all
 };
 
 /// errors: InputError

@@ -26,6 +26,7 @@ PictureStore::PictureStore(StudyFolder folder, const Study& study)
   manifest_.seed = study.seed;
   manifest_.width = study.width;
   manifest_.height = study.height;
+  manifest_.noise_target = study.noise_target;
   drop_others(study);
 }
 

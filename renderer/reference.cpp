@@ -10,7 +10,7 @@ constexpr double kPathsForOneStepOnObject = 6000;
 constexpr double kPathsForOneStepOutside = 2000;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
-constexpr int kPilotPaths = 64;
+constexpr int kPilotPaths = 32;
 
 PathMaps make_pilot_maps(const Primary& primary) {
   return make_fixed_maps(primary, {kPilotPaths, kPilotPaths, kPilotPaths});

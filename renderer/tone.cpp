@@ -110,20 +110,27 @@ LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone) {
   return picture;
 }
 
-DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
-                                   const HdrImage& coverage, const ToneRecord& tone) {
-  std::vector<double> object, outside;
-  for (std::size_t i = 0; i < reference.pixel_count(); ++i) {
+std::vector<double> measure_pixel_noise(const HdrImage& reference, const HdrImage& standard_error,
+                                        const ToneRecord& tone) {
+  std::vector<double> noise(reference.pixel_count());
+  for (std::size_t i = 0; i < noise.size(); ++i) {
     std::array<float, 3> low{}, high{};
     for (std::size_t c = 0; c < 3; ++c) {
       low[c] = std::max(0.0f, reference.pixel(i)[c] - standard_error.pixel(i)[c]);
       high[c] = reference.pixel(i)[c] + standard_error.pixel(i)[c];
     }
     const auto below = eval_display(tone, low.data()), above = eval_display(tone, high.data());
-    double largest = 0;
-    for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, (above[c] - below[c]) / 2);
-    (coverage.values[i] > 0 ? object : outside).push_back(largest);
+    for (std::size_t c = 0; c < 3; ++c) noise[i] = std::max(noise[i], (above[c] - below[c]) / 2);
   }
+  return noise;
+}
+
+DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
+                                   const HdrImage& coverage, const ToneRecord& tone) {
+  const std::vector<double> noise = measure_pixel_noise(reference, standard_error, tone);
+  std::vector<double> object, outside;
+  for (std::size_t i = 0; i < noise.size(); ++i)
+    (coverage.values[i] > 0 ? object : outside).push_back(noise[i]);
   return {mean_of(object), nearest_rank(object, 0.99), mean_of(outside)};
 }
 

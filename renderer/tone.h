@@ -32,8 +32,12 @@ struct DisplayNoise {
   double outside_mean = 0;
 };
 
-/// Each pixel's standard error through the tone curve (half the displayed difference of mean + and - one
-/// standard error, the largest channel); then over pixels of coverage > 0 and of coverage 0.
+/// Each pixel's standard error through the tone curve: half the displayed difference of mean + and - one
+/// standard error, the largest channel. shape: height x width. units: steps of 255
+std::vector<double> measure_pixel_noise(const HdrImage& reference, const HdrImage& standard_error,
+                                        const ToneRecord& tone);
+
+/// Its means and 99th percentile over pixels of coverage > 0 and of coverage 0.
 DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
                                    const HdrImage& coverage, const ToneRecord& tone);
 

@@ -20,6 +20,10 @@ Manifest load_manifest(const std::filesystem::path& path) {
   manifest.seed = static_cast<std::uint64_t>(json.at("seed").as_int());
   manifest.width = static_cast<int>(json.at("width").as_int());
   manifest.height = static_cast<int>(json.at("height").as_int());
+  if (const Json* target = json.find("noise_target")) {
+    manifest.noise_target = {target->at("object_mean").as_double(), target->at("object_p99").as_double(),
+                             target->at("outside_mean").as_double()};
+  }
   const auto& tones = json.at("tones").as_array();
   for (std::size_t i = 0; i < tones.size(); ++i) {
     const Json& tone = tones[i];
@@ -54,6 +58,12 @@ void save_manifest(const Manifest& manifest, const std::filesystem::path& path) 
   json.set("schema", "equilux-manifest").set("schema_version", 1).set("producer_version", kVersion);
   json.set("study", manifest.study_name).set("study_digest", manifest.study_digest);
   json.set("seed", manifest.seed).set("width", manifest.width).set("height", manifest.height);
+  if (const auto& target = manifest.noise_target) {
+    Json row;
+    row.set("object_mean", target->object_mean).set("object_p99", target->object_p99);
+    row.set("outside_mean", target->outside_mean);
+    json.set("noise_target", std::move(row));
+  }
   Json tones{Json::Array{}};
   for (const auto& [family, tone] : manifest.tones) {
     Json row;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct Manifest {
   int height = 0;
   std::map<std::string, ToneRecord> tones;        ///< by key of the reference
   std::map<std::string, PictureRecord> pictures;  ///< by key of picture or reference
+  /// Of the references; what they have is their standard_error.
+  std::optional<NoiseTarget> noise_target = std::nullopt;
 };
 
 /// errors: InputError
