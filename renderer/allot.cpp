@@ -144,12 +144,6 @@ std::vector<double> find_display_errors(const TracedLayer& layer, const PathMap&
   return errors;
 }
 
-double nearest_rank(std::vector<double> values, double share) {
-  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[static_cast<std::size_t>(index)];
-}
-
 // Paths a batch and position for errors S of one class: max(1, lambda S^(2/3), (S / bound)^2), the least
 // lambda whose mean of S / sqrt(N) meets the target.
 std::vector<double> spend(const std::vector<double>& errors, double mean_target, double bound, double most) {

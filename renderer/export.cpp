@@ -100,7 +100,7 @@ class Indices {
 
 void add_lights(const Scene& scene, Illumination illumination, DiffuseScene& diffuse) {
   for (const Light& light : scene.lights) {
-    if (!light.in_indirect && illumination == Illumination::kIndirect) continue;
+    if (!is_on(light, illumination)) continue;
     if (const auto* spot = std::get_if<SpotLight>(&light.shape)) {
       diffuse.spots.push_back(*spot);
     } else if (const auto* environment = std::get_if<EnvironmentLight>(&light.shape)) {

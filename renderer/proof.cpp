@@ -4,15 +4,14 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "renderer/family.h"
 #include "renderer/parallel.h"
-#include "renderer/path_tracer.h"
 #include "renderer/shade.h"
 
 namespace equilux {
 namespace {
 
 constexpr int kWidth = 128, kHeight = 96;
-constexpr int kBatches = 16;
 
 // Even in their order along the Morton curve over pixels.
 std::vector<ShadingPoint> pick_points(const Scene& scene, const World& world, const ProofParams& params) {

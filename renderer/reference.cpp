@@ -4,8 +4,7 @@
 namespace equilux {
 namespace {
 
-// Share of noise in a path: the standard deviation over the mean, and the displayed step over a relative
-// change, as measured on the café. Only progress is foreseen by them.
+// Rough numbers of paths for an error of one displayed step. They only foresee progress.
 constexpr double kPathsForOneStepOnObject = 6000;
 constexpr double kPathsForOneStepOutside = 2000;
 

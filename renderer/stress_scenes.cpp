@@ -20,6 +20,7 @@ constexpr int kSize = 24;
 struct Rendered {
   HdrImage path, vpl;
   std::size_t bad = 0;
+  std::size_t object_pixels = 0;
 };
 
 Rendered render(const Scene& scene, const std::string& material, double clamp) {
@@ -35,6 +36,7 @@ Rendered render(const Scene& scene, const std::string& material, double clamp) {
   rendered.path = composite({&layers.background, &layers.direct, &layers.indirect});
   rendered.vpl = HdrImage(kSize, kSize);
   const auto points = find_shading_points(primary);
+  rendered.object_pixels = points.size();
   const VplSet vpls = trace_vpls(world, materials, 500, 1, "stress", Emission::kFull);
   for (const VplList* list : {&vpls.shared, &vpls.own}) {
     const auto shaded = shade_all_vpls(world, points, *list, {materials[0]}, {clamp}, [](double) {});
@@ -105,31 +107,45 @@ double brightest(const HdrImage& image) {
   return largest;
 }
 
-StressRow expect_lit(const std::string& what, const Rendered& rendered, const std::string& more = "") {
-  const double largest = brightest(rendered.path);
-  return make_stress_row("mesh", what, "finite, lit, no VPL picture brighter than float" + more,
-                         fmt::format("{} not finite, brightest {:.3g}", rendered.bad, largest),
-                         rendered.bad == 0 && largest > 0 && std::isfinite(brightest(rendered.vpl)));
+double mean_of(const HdrImage& image) {
+  double sum = 0;
+  for (float value : image.values) sum += value;
+  return sum / static_cast<double>(image.values.size());
+}
+
+constexpr const char* kSquare = "v -0.4 0 0\nv 0.4 0 0\nv 0.4 0 0.8\nv -0.4 0 0.8\n";
+
+// A mesh that covers the same square must look as the square does. The VPL picture holds the object alone.
+StressRow expect_square(const Rendered& plain, const std::string& what, const Rendered& rendered) {
+  const double path = mean_of(rendered.path) / mean_of(plain.path) - 1;
+  const double vpl = mean_of(rendered.vpl) / mean_of(plain.vpl) - 1;
+  const bool same = rendered.object_pixels == plain.object_pixels;
+  return make_stress_row(
+      "mesh", what, "finite, the plain square's pixels, its light within 1 %",
+      fmt::format("{} not finite, {} of {} pixels, light {:+.1e} path traced, {:+.1e} by VPLs", rendered.bad,
+                  rendered.object_pixels, plain.object_pixels, path, vpl),
+      rendered.bad == 0 && same && std::abs(path) < 0.01 && std::abs(vpl) < 0.01);
 }
 
 void add_meshes(std::vector<StressRow>& rows) {
-  const std::string square = "v -0.4 0 0\nv 0.4 0 0\nv 0.4 0 0.8\nv -0.4 0 0.8\n";
+  const std::string square = kSquare;
+  const Rendered plain = render_mesh(square + "f 1 2 3\nf 1 3 4\n");
   MeshRepairs repairs;
   const Rendered zero = render_mesh(square + "v 0.4 0 0.4\nf 1 2 3\nf 1 3 4\nf 2 3 5\nf 1 1 2\n", &repairs);
+  rows.push_back(expect_square(plain, "faces of zero area among others", zero));
+  rows.push_back(make_stress_row("mesh", "faces of zero area among others", "two left out and counted",
+                                 fmt::format("{} left out", repairs.degenerate_triangles),
+                                 repairs.degenerate_triangles == 2));
+  rows.push_back(expect_square(plain, "a sliver, 1e-6 of its length wide, on its upper edge",
+                               render_mesh(square + "v 0 0 0.8000008\nf 1 2 3\nf 1 3 4\nf 3 5 4\n")));
+  rows.push_back(expect_square(plain, "a triangle of 1e8 : 1 through it",
+                               render_mesh("v -5000 0 0.4\nv 5000 0 0.4\nv 5000 0 0.4001\n" + square +
+                                           "f 1 2 3\nf 4 5 6\nf 4 6 7\n")));
   rows.push_back(
-      make_stress_row("mesh", "faces of zero area among others", "left out and counted",
-                      fmt::format("{} left out, {} not finite", repairs.degenerate_triangles, zero.bad),
-                      repairs.degenerate_triangles == 2 && zero.bad == 0));
-  rows.push_back(expect_lit("slivers, 1e-6 of their length wide",
-                            render_mesh(square + "v 0 0 0.8000008\nf 1 2 3\nf 1 3 4\nf 3 5 4\n")));
-  rows.push_back(
-      expect_lit("a triangle of 1e8 : 1", render_mesh("v -5000 0 0.4\nv 5000 0 0.4\nv 5000 0 0.4001\n" +
-                                                      square + "f 1 2 3\nf 4 5 6\nf 4 6 7\n")));
-  rows.push_back(
-      expect_lit("normals of zero length and opposite to the faces",
-                 render_mesh(square + "vn 0 0 0\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n")));
-  rows.push_back(
-      expect_lit("coplanar faces, each twice", render_mesh(square + "f 1 2 3\nf 1 3 4\nf 1 2 3\nf 4 3 1\n")));
+      expect_square(plain, "normals of zero length and opposite to the faces",
+                    render_mesh(square + "vn 0 0 0\nvn 0 1 0\nf 1//1 2//1 3//1\nf 1//2 3//2 4//2\n")));
+  rows.push_back(expect_square(plain, "coplanar faces, each twice",
+                               render_mesh(square + "f 1 2 3\nf 1 3 4\nf 1 2 3\nf 4 3 1\n")));
 }
 
 // A spot inside a closed ball lights its inside only.

@@ -12,16 +12,6 @@ namespace {
 
 double luminance_of(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
 
-// The value at the nearest rank of a share of the sorted values; 0 of none.
-double nearest_rank(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const double rank = std::ceil(share * static_cast<double>(values.size()));
-  const auto index =
-      static_cast<std::ptrdiff_t>(std::clamp(rank, 1.0, static_cast<double>(values.size()))) - 1;
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[static_cast<std::size_t>(index)];
-}
-
 double mean_of(const std::vector<double>& values) {
   double sum = 0;
   for (double value : values) sum += value;
@@ -55,6 +45,15 @@ double mean_luminance(const HdrImage& image) {
 }
 
 }  // namespace
+
+double nearest_rank(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  const double rank = std::ceil(share * static_cast<double>(values.size()));
+  const auto index =
+      static_cast<std::ptrdiff_t>(std::clamp(rank, 1.0, static_cast<double>(values.size()))) - 1;
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
+}
 
 HdrImage composite(const std::vector<const HdrImage*>& layers) {
   EQ_CHECK(!layers.empty());

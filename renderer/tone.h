@@ -7,6 +7,9 @@
 
 namespace equilux {
 
+/// The value at the nearest rank of a share of the sorted values; 0 of none.
+double nearest_rank(std::vector<double> values, double share);
+
 /// Sum of layers of one size. Layers are premultiplied by coverage, so they simply add up.
 HdrImage composite(const std::vector<const HdrImage*>& layers);
 

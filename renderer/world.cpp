@@ -151,7 +151,7 @@ World make_world(const Scene& scene, const std::string& geometry, Illumination i
   world.room_materials_.push_back({"emitter", {}, {}, 0});
   const auto black = static_cast<std::uint32_t>(world.room_materials_.size());
   for (const Light& light : scene.lights) {
-    if (!light.in_indirect && illumination == Illumination::kIndirect) continue;
+    if (!is_on(light, illumination)) continue;
     if (const auto* spot = std::get_if<SpotLight>(&light.shape)) {
       world.spots_.push_back(*spot);
     } else if (const auto* environment = std::get_if<EnvironmentLight>(&light.shape)) {

@@ -394,8 +394,7 @@ std::string digest_scene_part(const Scene& scene, const Object& object, bool wit
   }
   Json lights{Json::Array{}};
   for (const Light& light : scene.lights) {
-    if (light.in_indirect || object.illumination == Illumination::kDirectAndIndirect)
-      lights.push(light_content(light));
+    if (is_on(light, object.illumination)) lights.push(light_content(light));
   }
   json.set("room", std::move(room)).set("lights", std::move(lights));
   return digest_json(json);

@@ -70,6 +70,11 @@ struct Light {
   bool in_indirect = true;  ///< on in the indirect-only illumination; direct-and-indirect has all lights
 };
 
+/// True if the light shines in this illumination.
+inline bool is_on(const Light& light, Illumination illumination) {
+  return light.in_indirect || illumination == Illumination::kDirectAndIndirect;
+}
+
 struct Camera {
   Vec3 position, target, up;
   float vertical_fov_degrees = 40;

@@ -74,6 +74,22 @@ TEST(PathTracer, AMetalBallInAFurnaceShinesAtItsAlbedoInTheMiddle) {
               5 * traced.layers.standard_error.pixel(middle)[1] + .0005);
 }
 
+// The furnace of a constant environment of radiance 2: a Lambertian ball shows twice its albedo wherever it
+// is seen, and where nothing is seen the environment itself.
+TEST(PathTracer, ALambertianBallInAConstantEnvironmentShinesAtItsAlbedo) {
+  SceneText text;
+  text.lights = R"([{"environment":{"radiance":[2,2,2]}}])";
+  const Traced traced = trace(test::make_scene(text), "grey", {16, 256, 16}, 24);
+  const auto mean = object_mean(traced, traced.layers.direct);
+  EXPECT_NEAR(mean.mean, 2 * .5, 4 * mean.standard_error + .001);
+  for (std::size_t i = 0; i < traced.coverage.pixel_count(); ++i) {
+    if (traced.coverage.values[i] == 0) {
+      ASSERT_EQ(traced.layers.background.pixel(i)[1], 2);
+    }
+  }
+  EXPECT_EQ(object_mean(traced, traced.layers.indirect).mean, 0);  // a convex ball does not see itself
+}
+
 // Irradiance of a spot at distance d and incidence t is I cos t / d^2; a Lambertian plane reflects rho / pi
 // of it.
 TEST(PathTracer, ASpotOnAPlaneGivesTheInverseSquareLaw) {

@@ -96,9 +96,8 @@ TEST(Reference, AdaptiveCountsHaveTheMeanOfFixedOnes) {
   }
 }
 
-// Mutant: a pilot that is kept. Where a pixel's paths are few because they happened to be dark, it stays
-// dark. Here the pilot's own mean is averaged in; the pixels' counts depend on it, and the mean of the
-// picture goes wrong.
+// Mutant: samples that decide how many follow and are then kept. A second look is taken only where it is
+// darker than the first, and both are averaged: the test above must find the mean of such a picture wrong.
 TEST(Reference, AMutantThatStopsOnItsOwnSamplesIsCaught) {
   const Stage stage(16, 2);
   std::vector<double> stopped, honest;
