@@ -57,6 +57,22 @@ install_packages() {
   apt update && apt install -y --no-install-recommends "${missing[@]}"
 }
 
+# show_build: ninja's lines "@DONE ALL SECONDS WHAT" with an estimate of the seconds left; on a terminal in one line.
+show_build() {
+  local line end=$'\n'
+  [ ! -t 1 ] || end=$'\r'
+  while IFS= read -r line; do
+    if [[ $line =~ ^@([0-9]+)\ ([0-9]+)\ ([0-9]+)[0-9.]*\ (.*)$ ]]; then
+      local finished=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} seconds=${BASH_REMATCH[3]} what=${BASH_REMATCH[4]}
+      [ "$end" = $'\n' ] || printf '\e[K'
+      printf '[%d/%d] %d s left: %.80s%s' "$finished" "$all" $((seconds * (all - finished) / finished)) "${what##*/}" "$end"
+    else
+      printf '%s\n' "$line"
+    fi
+  done
+  [ "$end" = $'\n' ] || echo
+}
+
 # build_preset PRESET [CMAKE-OPTION...]
 build_preset() {
   local preset=$1 log
@@ -64,5 +80,5 @@ build_preset() {
   log=build/$preset-configure.log
   mkdir -p build
   cmake --preset "$preset" "$@" >"$log" 2>&1 || { cat "$log" >&2; return 1; }
-  cmake --build --preset "$preset"
+  NINJA_STATUS='@%f %t %e ' cmake --build --preset "$preset" 2>&1 | show_build
 }
