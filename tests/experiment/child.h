@@ -75,6 +75,11 @@ class Child {
     EQ_CHECK(::waitid(P_PID, static_cast<id_t>(pid_), &info, WSTOPPED | WEXITED | WNOWAIT) == 0);
     return info.si_code == CLD_STOPPED;
   }
+  bool runs() {
+    siginfo_t info{};
+    EQ_CHECK(::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0);
+    return info.si_pid == 0;
+  }
   void go_on() { ::kill(pid_, SIGCONT); }
   void kill() { ::kill(pid_, SIGKILL); }
 
