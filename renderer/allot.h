@@ -14,8 +14,7 @@ inline constexpr int kMostPathsAPixel = 1 << 20;
 /// S^(2/3); the 99th percentile sets a lower bound that grows as S^2; a pixel's layers share N in
 /// proportion to their own errors. Since the pilot is independent of the paths that follow, these are
 /// unbiased however wrong it is. The pilot's variances are smoothed over neighbours. The tone curve is the
-/// pilot's own. A target out of reach stops at kMostPathsAPixel; one whose
-/// percentile is under twice its mean may be missed, since rare bright paths show in no pilot.
+/// pilot's own. A target out of reach stops at kMostPathsAPixel.
 PathMaps allot_paths(const TracedLayers& pilot, const PathMaps& pilot_maps, const HdrImage& coverage,
                      int positions, Exposure exposure, double tone_key, const NoiseTarget& target);
 

@@ -76,7 +76,9 @@ void add_seen_light(const World& world, const PrimaryHit& hit, BatchSums& backgr
 }
 
 void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) {
-  const auto& [world, materials, primary] = job.scene;
+  const World& world = job.scene.world;
+  const Materials& materials = job.scene.materials;
+  const Primary& primary = job.scene.primary;
   BatchSums background, direct, indirect;
   for (int position = 0; position < primary.positions; ++position) {
     const PrimaryHit& hit = primary.at(pixel, position);

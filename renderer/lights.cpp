@@ -14,19 +14,19 @@ float rectangle_power(const RectangleLight& light) {
   return luminance(light.radiance_w_per_m2_sr) * kPi * rectangle_area(light);
 }
 
-LightParticle sample_spot(const SpotLight& spot, RandomStream& random) {
-  const float cos_t = 1 - random.next_float() * (1 - spot.cos_outer);
-  const float sin_t = std::sqrt(std::max(0.0f, 1 - cos_t * cos_t)), phi = 2 * kPi * random.next_float();
+LightParticle sample_spot(const SpotLight& spot, PathSampler& sampler) {
+  const float cos_t = 1 - sampler.next() * (1 - spot.cos_outer);
+  const float sin_t = std::sqrt(std::max(0.0f, 1 - cos_t * cos_t)), phi = 2 * kPi * sampler.next();
   const Vec3 direction =
       Frame(spot.direction).to_world({sin_t * std::cos(phi), sin_t * std::sin(phi), cos_t});
   return {spot.position, direction, eval_spot(spot, direction) * (2 * kPi * (1 - spot.cos_outer))};
 }
 
-LightParticle sample_rectangle(const RectangleLight& light, RandomStream& random) {
-  const float a = random.next_float(), b = random.next_float();
+LightParticle sample_rectangle(const RectangleLight& light, PathSampler& sampler) {
+  const float a = sampler.next(), b = sampler.next();
   const Vec3 p = light.corner + light.u * a + light.v * b;
   const Vec3 normal = rectangle_normal(light);
-  const float u1 = random.next_float(), u2 = random.next_float();
+  const float u1 = sampler.next(), u2 = sampler.next();
   const Vec3 direction = Frame(normal).to_world(sample_cosine(u1, u2));
   return {p + normal * rectangle_epsilon(light), direction,
           light.radiance_w_per_m2_sr * (kPi * rectangle_area(light))};
@@ -37,11 +37,11 @@ float environment_power(const World& world) {
   return luminance(world.environment()) * 4 * kPi * kPi * world.radius() * world.radius();
 }
 
-LightParticle sample_environment(const World& world, RandomStream& random) {
-  const float z = 1 - 2 * random.next_float(), phi = 2 * kPi * random.next_float();
+LightParticle sample_environment(const World& world, PathSampler& sampler) {
+  const float z = 1 - 2 * sampler.next(), phi = 2 * kPi * sampler.next();
   const float r = std::sqrt(std::max(0.0f, 1 - z * z));
   const Vec3 direction{r * std::cos(phi), r * std::sin(phi), z};
-  const float across = world.radius() * std::sqrt(random.next_float()), turn = 2 * kPi * random.next_float();
+  const float across = world.radius() * std::sqrt(sampler.next()), turn = 2 * kPi * sampler.next();
   const Vec3 offset =
       Frame(direction).to_world({across * std::cos(turn), across * std::sin(turn), -world.radius()});
   return {world.center() + offset, direction,
@@ -75,12 +75,12 @@ float pdf_rectangle(const RectangleLight& light, Vec3 x, Vec3 p) {
   return cosine > 0 ? r2 / (cosine * rectangle_area(light)) : 0;
 }
 
-std::optional<LightParticle> sample_emission(const World& world, RandomStream& random) {
+std::optional<LightParticle> sample_emission(const World& world, PathSampler& sampler) {
   float total = environment_power(world);
   for (const auto& spot : world.spots()) total += spot_power_bound(spot);
   for (const auto& light : world.rectangles()) total += rectangle_power(light);
   if (!(total > 0)) return std::nullopt;
-  float left = random.next_float() * total;
+  float left = sampler.next() * total;
   std::optional<LightParticle> emission;
   // Takes this light if the draw falls on it.
   const auto offer = [&](float power, const auto& sample) {
@@ -91,10 +91,10 @@ std::optional<LightParticle> sample_emission(const World& world, RandomStream& r
     left -= power;
   };
   for (const auto& spot : world.spots())
-    offer(spot_power_bound(spot), [&] { return sample_spot(spot, random); });
+    offer(spot_power_bound(spot), [&] { return sample_spot(spot, sampler); });
   for (const auto& light : world.rectangles())
-    offer(rectangle_power(light), [&] { return sample_rectangle(light, random); });
-  offer(environment_power(world), [&] { return sample_environment(world, random); });
+    offer(rectangle_power(light), [&] { return sample_rectangle(light, sampler); });
+  offer(environment_power(world), [&] { return sample_environment(world, sampler); });
   return emission;  // empty by rounding at the very end of the range
 }
 

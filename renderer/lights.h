@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "base/random.h"
+#include "renderer/sampler.h"
 #include "renderer/world.h"
 
 namespace equilux {
@@ -43,6 +43,6 @@ struct LightParticle {
 /// Chooses a light in proportion to a bound on its power, then a direction: even in the cone of a spot, by
 /// cosine on a rectangle; of the environment an even direction, and an even point of the disk across the
 /// world's sphere. Empty where nothing leaves.
-std::optional<LightParticle> sample_emission(const World& world, RandomStream& random);
+std::optional<LightParticle> sample_emission(const World& world, PathSampler& sampler);
 
 }  // namespace equilux

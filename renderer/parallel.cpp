@@ -2,14 +2,41 @@
 #include "renderer/parallel.h"
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
 #include <optional>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <thread>
+#include <vector>
 
 #include "renderer/world.h"
 
 namespace equilux {
 
+#ifdef __SANITIZE_THREAD__
+// The thread sanitizer cannot see how a library that was built without it hands work from thread to thread.
+void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&] {
+    flush_denormals();
+    try {
+      for (std::size_t i = next++; i < count; i = next++) body(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 1; i < count_threads(); ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+#else
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, 1),
@@ -19,6 +46,7 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
       },
       tbb::simple_partitioner());
 }
+#endif
 
 int count_threads() {
   return static_cast<int>(std::min<std::size_t>(

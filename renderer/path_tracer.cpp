@@ -8,21 +8,6 @@
 namespace equilux {
 namespace {
 
-// Additive recurrence with the powers of the root of x^(d+1) = x + 1. source: Roberts, "The unreasonable
-// effectiveness of quasirandom sequences", 2018.
-template <std::size_t kCount>
-std::array<double, kCount> make_lattice_steps() {
-  double root = 1.5;
-  for (int i = 0; i < 60; ++i) root = std::pow(1 + root, 1.0 / (kCount + 1));
-  std::array<double, kCount> steps{};
-  double power = 1;
-  for (double& step : steps) step = power /= root;
-  return steps;
-}
-
-// Largest float under 1: rounding up from double must not leave [0, 1).
-constexpr float kBelowOne = 0x1.fffffep-1f;
-
 // a^2 / (a^2 + b^2), in a form in which large densities do not overflow. source: Veach, 1997, section 9.2.4.
 float power_heuristic(float a, float b) {
   const float ratio = b / a;
@@ -140,25 +125,6 @@ float survival_of(int depth, Vec3 weight, const PathMeasures& measures) {
 }
 
 }  // namespace
-
-PathSampler::PathSampler(const RandomStream& stream, bool low_discrepancy)
-    : stream_(stream), low_discrepancy_(low_discrepancy) {
-  for (double& coordinate : point_) coordinate = stream_.next_double();
-}
-
-void PathSampler::next_path() {
-  static const auto steps = make_lattice_steps<kDimensions>();
-  for (std::size_t i = 0; i < kDimensions; ++i) {
-    point_[i] += steps[i];
-    if (point_[i] >= 1) point_[i] -= 1;
-  }
-  dimension_ = low_discrepancy_ ? 0 : kDimensions;
-}
-
-float PathSampler::next() {
-  if (dimension_ == kDimensions) return stream_.next_float();
-  return std::min(static_cast<float>(point_[dimension_++]), kBelowOne);
-}
 
 Vec3 estimate_direct(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
                      PathSampler& sampler, const PathMeasures& measures) {

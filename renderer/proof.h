@@ -2,48 +2,54 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "protocols/study.h"
 #include "stimuli/scene.h"
 
 namespace equilux {
 
-/// Sixteen points of the object make a group, kProofGroups groups the whole. A VPL set is summed at the
-/// points of one group; that of its VPLs which the object had a part in, few and of wide spread, at every
-/// group.
-inline constexpr int kProofGroups = 64;
-inline constexpr int kProofPoints = 16 * kProofGroups;
+/// Points of the object, at most: each VPL set is summed at every kProofStride-th of them, turn by turn; of
+/// the VPLs that the object had a part in, few and of wide spread, other sets are made, each summed at all.
+inline constexpr int kProofPoints = 8192;
+inline constexpr int kProofStride = 32;
 
 struct ProofParams {
-  Object object;
+  std::string geometry = "G0";
+  Illumination illumination = Illumination::kIndirect;
   int view = 0;
-  int repeats = 4;                ///< independent VPL sets for each group
+  int sets = 256;  ///< independent VPL sets, for all materials together
+  /// Sets of which only VPLs that the object had a part in are summed, for a material whose lobe is as high
+  /// and narrow as that of MS, rho_s / alpha = 4.4; for others a part in proportion, at least 16.
+  int own_sets = 256;
   std::int64_t vpl_paths = 4000;  ///< particles of each set
-  int camera_paths = 1000;        ///< at each point
+  int camera_paths = 256;         ///< at each point
   /// Left out: points lower than this share of the object's height above the stand. Where two surfaces touch
   /// the variance of the unclamped sum diverges.
   double contact_band = 0.3;
   std::uint64_t seed = 1;
-  bool with_lambertian = false;  ///< measure the gap of Lambertian emission too, on the same particles
 };
 
-/// Mean luminance over the points, and its standard error: for VPLs from the spread of the sets of each
-/// group, for paths from kBatches randomisations. units: W/(m^2 sr)
+/// Mean luminance over the points, and its standard error: for VPLs from the spread of the sets, for paths
+/// from kBatches randomisations. units: W/(m^2 sr)
 struct ProofEstimate {
   double mean = 0;
   double standard_error = 0;
 };
 
 struct Proof {
-  ProofEstimate paths, full, lambertian;
+  ProofEstimate paths;  ///< the path tracer's
+  ProofEstimate full;   ///< of unclamped VPLs with full emission
+  ProofEstimate gap;    ///< what Lambertian emission of the same VPLs falls short of that by
 };
 
 /// Relative difference of a VPL estimate from the paths', with its standard error.
 ProofEstimate find_relative_difference(const ProofEstimate& vpls, const ProofEstimate& paths);
 
-/// errors: InputError for what the scene lacks, or where the camera sees no point outside the contact band.
-Proof make_proof(const Scene& scene, const MaterialSpec& material, const ProofParams& params);
+/// One for each material of the object. Their errors have the sets in common. errors: InputError for what the
+/// scene lacks, or where the camera sees no point outside the contact band.
+std::vector<Proof> make_proofs(const Scene& scene, const std::vector<MaterialSpec>& materials,
+                               const ProofParams& params);
 
 }  // namespace equilux

@@ -23,12 +23,35 @@ PathCounts guess_counts(const NoiseTarget& target) {
           paths(kPathsForOneStepOutside, target.outside_mean)};
 }
 
-PathMaps make_maps(const FamilyScene& scene, const ReferenceParams& params, const FamilyProgress& progress) {
+// A percentile under this many means is met by few paths more or missed: the worst pixels must be known well.
+constexpr double kSteepPercentile = 2.5;
+// The second pilot's share of the paths that the first allots.
+constexpr std::uint32_t kSecondShare = 8;
+
+PathMap take_share(PathMap map, const PathMap& least) {
+  for (std::size_t i = 0; i < map.size(); ++i)
+    map[i] = std::max(least[i], (map[i] + kSecondShare - 1) / kSecondShare);
+  return map;
+}
+
+PathMaps allot(const FamilyScene& scene, const ReferenceParams& params, const FamilyProgress& progress) {
   if (params.fixed) return make_fixed_maps(scene.primary, *params.fixed);
-  const TracedLayers pilot = trace_layers(scene, make_pilot_maps(scene.primary), params.seed,
-                                          params.stream_name + ".pilot", params.measures, progress.advance);
-  return allot_paths(pilot, make_pilot_maps(scene.primary), make_coverage(scene.primary),
-                     scene.primary.positions, params.exposure, params.tone_key, params.target);
+  const HdrImage coverage = make_coverage(scene.primary);
+  const auto fly = [&](const PathMaps& maps, const std::string& name) {
+    const TracedLayers pilot =
+        trace_layers(scene, maps, params.seed, params.stream_name + name, params.measures, progress.advance);
+    return allot_paths(pilot, maps, coverage, scene.primary.positions, params.exposure, params.tone_key,
+                       params.target);
+  };
+  const PathMaps first = make_pilot_maps(scene.primary);
+  PathMaps maps = fly(first, ".pilot");
+  if (params.target.object_p99 < kSteepPercentile * params.target.object_mean) {
+    const PathMaps share{take_share(maps.background, first.background), take_share(maps.direct, first.direct),
+                         take_share(maps.indirect, first.indirect)};
+    progress.expect_more(count_paths(scene.primary, share));
+    maps = fly(share, ".second-pilot");
+  }
+  return maps;
 }
 
 }  // namespace
@@ -45,7 +68,7 @@ double estimate_family_paths(const ReferenceParams& params, const Primary& prima
 
 FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
                           const FamilyProgress& progress) {
-  const PathMaps maps = make_maps(scene, params, progress);
+  const PathMaps maps = allot(scene, params, progress);
   const double paths = count_paths(scene.primary, maps);
   if (!params.fixed) {
     progress.expect_more(paths + count_paths(scene.primary, make_pilot_maps(scene.primary)) -

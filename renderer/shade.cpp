@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "renderer/lanes.h"
 #include "renderer/parallel.h"
 
@@ -20,10 +21,12 @@ struct PointGroup {
   Floats cos_v;
   PointPacket origins;
   std::uint32_t valid = 0;
+  std::uint64_t index = 0;  // among all groups
 };
 
-PointGroup make_group(const ShadingPoint* points, std::size_t count) {
+PointGroup make_group(const ShadingPoint* points, std::size_t count, std::uint64_t index) {
   PointGroup group;
+  group.index = index;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const ShadingPoint& point = points[std::min(lane, count - 1)];
     const Frame frame(point.surface.ns);
@@ -93,8 +96,9 @@ EQ_INLINE Floats3 emit_gloss(const VplGloss& gloss, const Floats3& wo, const Flo
   return {emitted * gloss.flux.x, emitted * gloss.flux.y, emitted * gloss.flux.z};
 }
 
-EQ_INLINE bool see_vpl(const World& world, const PointGroup& group, const VplList& list, std::size_t index,
-                       Sight& sight, std::uint64_t& coincident) {
+// Whatever lies between is not asked for yet. Gives the lanes that face the VPL and are faced by it.
+EQ_INLINE std::uint32_t face_vpl(const PointGroup& group, const VplList& list, std::size_t index,
+                                 Sight& sight, std::uint64_t& coincident) {
   const Vpl& vpl = list.vpls[index];
   const Floats3 d{vpl.p.x - group.p.x, vpl.p.y - group.p.y, vpl.p.z - group.p.z};
   sight.r2 = dot(d, d);
@@ -106,13 +110,9 @@ EQ_INLINE bool see_vpl(const World& world, const PointGroup& group, const VplLis
   const std::uint32_t wanted = lane_mask(lit) & group.valid;
   if (wanted != group.valid) [[unlikely]]
     coincident += static_cast<std::uint64_t>(std::popcount(lane_mask(sight.r2 <= 0.0f) & group.valid));
-  if (wanted == 0) return false;
-  const std::uint32_t visible = world.find_visible(group.origins, vpl.p + vpl.ng * vpl.epsilon, wanted);
-  if (visible == 0) return false;
+  if (wanted == 0) return 0;
   const Floats3 h{group.v.x + l.x, group.v.y + l.y, group.v.z + l.z};
   sight.half = make_half_vector(dot(group.s, h), dot(group.t, h), dot(group.ns, h));
-  // A lane that does not see the VPL may hold anything, NaN too: it is masked, not multiplied.
-  const Ints seen = from_mask(visible) > 0.0f;
   sight.light = {cos_vpl * vpl.intensity.x, cos_vpl * vpl.intensity.y, cos_vpl * vpl.intensity.z};
   if (vpl.gloss >= 0) {
     const Floats3 wo{-l.x, -l.y, -l.z};
@@ -121,12 +121,17 @@ EQ_INLINE bool see_vpl(const World& world, const PointGroup& group, const VplLis
     sight.light.y += glossy.y;
     sight.light.z += glossy.z;
   }
+  return wanted;
+}
+
+// A lane that does not see the VPL may hold anything, NaN too: it is masked, not multiplied.
+EQ_INLINE void mask_sight(std::uint32_t lanes, Sight& sight) {
+  const Ints seen = from_mask(lanes) > 0.0f;
   sight.light = {seen ? sight.light.x : Floats{}, seen ? sight.light.y : Floats{},
                  seen ? sight.light.z : Floats{}};
   sight.cos_l = seen ? sight.cos_l : Floats{};
   sight.half = {seen ? sight.half.z : broadcast(1.0f), seen ? sight.half.tan2 : Floats{}};
   sight.r2 = seen ? sight.r2 : broadcast(1.0f);
-  return true;
 }
 
 // M = f cl, channel by channel.
@@ -187,18 +192,61 @@ class Accumulator {
   std::vector<std::array<std::array<double, 3>, kLanes>> total_;
 };
 
+// Largest radiance of any lane, material and channel over the material's threshold, unclamped and unshadowed.
+float find_peak(const std::vector<Material>& materials, const std::vector<double>& thresholds,
+                const PointGroup& group, const Sight& sight) {
+  Floats peak{};
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const Floats3 m = eval_m(materials[i], group, sight);
+    const Floats largest = max(m.x * sight.light.x, max(m.y * sight.light.y, m.z * sight.light.z));
+    peak = max(peak, largest / (sight.r2 * static_cast<float>(thresholds[i])));
+  }
+  float largest = 0;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) largest = std::max(largest, peak[lane]);
+  return largest;
+}
+
+// The materials that light is summed for, and how.
+struct ShadeJob {
+  const World& world;
+  const VplList& list;
+  const std::vector<Material>& materials;
+  const ShadowRoulette& roulette;
+  StreamKey key;
+};
+
+// Decides whether the rays of a pair are traced, and weighs it for those that are not.
+bool survives(const ShadeJob& job, const PointGroup& group, std::size_t index, Sight& sight) {
+  const float share = find_peak(job.materials, job.roulette.thresholds, group, sight);
+  if (share >= 1) return true;
+  RandomStream random(job.key, group.index * job.list.size() + index);
+  if (random.next_float() >= share) return false;
+  const float weight = 1 / share;
+  sight.light = {sight.light.x * weight, sight.light.y * weight, sight.light.z * weight};
+  return true;
+}
+
 // Gives the number of VPLs that lie on a point.
-std::uint64_t sum_vpls(const World& world, const PointGroup& group, const VplList& list,
-                       const std::vector<Material>& materials, Accumulator& accumulator) {
+std::uint64_t sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator& accumulator) {
   std::uint64_t coincident = 0;
-  for (std::size_t first = 0; first < list.size(); first += kBlock) {
-    const std::size_t last = std::min(list.size(), first + kBlock);
-    for (std::size_t i = first; i < last; ++i) {
-      Sight sight;
-      if (!see_vpl(world, group, list, i, sight, coincident)) continue;
-      for (std::size_t m = 0; m < materials.size(); ++m)
-        accumulator.add(m, eval_m(materials[m], group, sight), sight);
+  const auto sum_vpl = [&](std::size_t i) {
+    Sight sight;
+    const std::uint32_t wanted = face_vpl(group, job.list, i, sight, coincident);
+    if (wanted == 0) return;
+    if (!job.roulette.thresholds.empty()) {
+      mask_sight(wanted, sight);
+      if (!survives(job, group, i, sight)) return;
     }
+    const Vpl& vpl = job.list.vpls[i];
+    const std::uint32_t visible = job.world.find_visible(group.origins, vpl.p + vpl.ng * vpl.epsilon, wanted);
+    if (visible == 0) return;
+    mask_sight(visible, sight);
+    for (std::size_t m = 0; m < job.materials.size(); ++m)
+      accumulator.add(m, eval_m(job.materials[m], group, sight), sight);
+  };
+  for (std::size_t first = 0; first < job.list.size(); first += kBlock) {
+    const std::size_t last = std::min(job.list.size(), first + kBlock);
+    for (std::size_t i = first; i < last; ++i) sum_vpl(i);
     accumulator.close_block();
   }
   return coincident;
@@ -242,16 +290,18 @@ std::vector<ShadingPoint> find_shading_points(const Primary& primary) {
 
 ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>& points, const VplList& vpls,
                             const std::vector<Material>& materials, const std::vector<double>& clamps_per_m2,
-                            const std::function<void(double)>& progress) {
+                            const std::function<void(double)>& progress, const ShadowRoulette& roulette) {
   for (double clamp : clamps_per_m2) EQ_CHECK(clamp >= 0, clamp);
+  EQ_CHECK(roulette.thresholds.empty() || roulette.thresholds.size() == materials.size());
   ShadedPoints shaded{clamps_per_m2.size(), points.size(), {}, 0};
   std::atomic<std::uint64_t> coincident = 0;
+  const ShadeJob job{world, vpls, materials, roulette, make_stream_key(roulette.seed, "shadow-roulette")};
   shaded.radiance.resize(materials.size() * shaded.levels * shaded.points);
   for_each_parallel((points.size() + kLanes - 1) / kLanes, [&](std::size_t index) {
     const std::size_t first = index * kLanes, count = std::min(kLanes, points.size() - first);
-    const PointGroup group = make_group(&points[first], count);
+    const PointGroup group = make_group(&points[first], count, index);
     Accumulator accumulator(materials.size(), clamps_per_m2);
-    coincident += sum_vpls(world, group, vpls, materials, accumulator);
+    coincident += sum_vpls(job, group, accumulator);
     for (std::size_t m = 0; m < materials.size(); ++m) {
       for (std::size_t level = 0; level < shaded.levels; ++level) {
         for (std::size_t lane = 0; lane < count; ++lane) {

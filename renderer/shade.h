@@ -33,6 +33,14 @@ struct ShadedPoints {
   }
 };
 
+/// Shadow rays for a part of the pairs only. Sixteen points and a VPL whose radiance, unclamped and
+/// unshadowed, is under each material's threshold at all of them take their rays with a probability in
+/// proportion to the nearest miss, and count for as much more: every expectation stays. Empty: all rays.
+struct ShadowRoulette {
+  std::vector<double> thresholds;  ///< of each material, for the largest channel. units: W/(m^2 sr)
+  std::uint64_t seed = 0;
+};
+
 /// L(x) = sum_k min{c, M_k / r_k^2} cos_k I_k V_k, M = f cl at x, for every clamp c in `clamps_per_m2` and
 /// every material of the object. One shadow ray serves them all. With colour the clamp acts on M's largest
 /// channel and scales all three alike. I_k is the emission towards x: the diffuse part's, and the glossy
@@ -40,7 +48,7 @@ struct ShadedPoints {
 /// if radiance leaves the range of float. source: Krivanek, Ferwerda, Bala 2010, section 3.
 ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>& points, const VplList& vpls,
                             const std::vector<Material>& materials, const std::vector<double>& clamps_per_m2,
-                            const std::function<void(double)>& progress);
+                            const std::function<void(double)>& progress, const ShadowRoulette& roulette = {});
 
 /// Adds the points of one material and level to a layer: each counts as its subpixel position's share.
 void add_to_layer(const ShadedPoints& shaded, std::size_t material, std::size_t level,

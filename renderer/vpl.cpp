@@ -27,8 +27,8 @@ struct Particle {
 // rule, in which light counts with the shading cosine where it comes in. The diffuse lobe is drawn about ng,
 // where it leaves.
 std::optional<Vec3> sample_particle(const Material& material, const SurfacePoint& point, Vec3 wi,
-                                    RandomStream& random, Vec3& weight) {
-  const float u0 = random.next_float(), u1 = random.next_float(), u2 = random.next_float();
+                                    PathSampler& sampler, Vec3& weight) {
+  const float u0 = sampler.next(), u1 = sampler.next(), u2 = sampler.next();
   const Frame shading(point.ns);
   const Vec3 wi_local = shading.to_local(wi);
   Vec3 wo;
@@ -53,9 +53,9 @@ std::optional<Vec3> sample_particle(const Material& material, const SurfacePoint
   return wo;
 }
 
-bool survives(Vec3 before, Vec3& after, RandomStream& random) {
+bool survives(Vec3 before, Vec3& after, PathSampler& sampler) {
   const float share = std::min(kLargestSurvival, max_component(after) / max_component(before));
-  if (!(share > 0) || random.next_float() >= share) return false;
+  if (!(share > 0) || sampler.next() >= share) return false;
   after = after / share;
   return true;
 }
@@ -80,8 +80,8 @@ void add_vpl(VplSet& set, const SurfacePoint& point, const Material& material, V
   if (vpl.intensity != Vec3{} || vpl.gloss >= 0) list.vpls.push_back(vpl);
 }
 
-void trace_path(const PathParams& params, RandomStream random, VplSet& set) {
-  const auto emitted = sample_emission(params.world, random);
+void trace_path(const PathParams& params, PathSampler sampler, VplSet& set) {
+  const auto emitted = sample_emission(params.world, sampler);
   if (!emitted) return;
   Particle particle{emitted->origin, emitted->direction, emitted->weight * params.share, false};
   while (max_component(particle.weight) > 0) {
@@ -92,8 +92,8 @@ void trace_path(const PathParams& params, RandomStream random, VplSet& set) {
     const Material& material = params.materials[hit->material];
     add_vpl(set, *hit, material, wi, particle, params.emission);
     const Vec3 before = particle.weight;
-    const auto wo = sample_particle(material, *hit, wi, random, particle.weight);
-    if (!wo || !survives(before, particle.weight, random)) return;
+    const auto wo = sample_particle(material, *hit, wi, sampler, particle.weight);
+    if (!wo || !survives(before, particle.weight, sampler)) return;
     particle.origin = hit->origin();
     particle.direction = *wo;
   }
@@ -123,13 +123,15 @@ VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t p
                   const std::string& stream_name, Emission emission) {
   EQ_CHECK(paths > 0, paths);
   const StreamKey key = make_stream_key(seed, stream_name);
+  RandomStream shared(seed, stream_name + ".shift", 0);
+  const LatticePoint shift = draw_shift(shared);
   const auto count = static_cast<std::size_t>(paths);
   const PathParams params{world, materials, emission, 1.0f / static_cast<float>(paths)};
   std::vector<VplSet> blocks((count + kPathsPerBlock - 1) / kPathsPerBlock);
   for_each_parallel(blocks.size(), [&](std::size_t block) {
     const std::size_t last = std::min(count, (block + 1) * kPathsPerBlock);
     for (std::size_t i = block * kPathsPerBlock; i < last; ++i)
-      trace_path(params, RandomStream(key, i), blocks[block]);
+      trace_path(params, PathSampler(shift, i, RandomStream(key, i)), blocks[block]);
   });
   VplSet set;
   set.paths = paths;

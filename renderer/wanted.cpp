@@ -12,8 +12,8 @@ namespace {
 
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
-constexpr int kPathEstimator = 3;
-constexpr int kVplEstimator = 3;
+constexpr int kPathEstimator = 4;
+constexpr int kVplEstimator = 4;
 
 bool matches(const std::string& key, const std::string& glob) {
   return fnmatch(glob.c_str(), key.c_str(), 0) == 0;
