@@ -162,8 +162,9 @@ Emissions estimate_part(const ProofScene& scene, const ProofParams& params, cons
     const auto points = take_every(scene.points, part.stride, set % part.stride);
     const ShadowRoulette roulette{thresholds, params.seed + set};
     const auto full = shade_means(scene, which, vpls, points, roulette);
-    const auto lambertian =
-        vpls.gloss.empty() ? full : shade_means(scene, which, without_gloss(vpls), points, roulette);
+    const auto lambertian = vpls.gloss.empty() || !params.with_gap
+                                ? full
+                                : shade_means(scene, which, without_gloss(vpls), points, roulette);
     for (std::size_t m = 0; m < which.size(); ++m) {
       emissions.full[m][set] = full[m] - paths[which[m]].excess_of(part.stride, set % part.stride);
       emissions.gap[m][set] = full[m] - lambertian[m];

@@ -29,6 +29,7 @@ struct ProofParams {
   /// the variance of the unclamped sum diverges.
   double contact_band = 0.3;
   std::uint64_t seed = 1;
+  bool with_gap = true;  ///< else only what full emission takes is summed
 };
 
 /// Mean luminance over the points, and its standard error: for VPLs from the spread of the sets, for paths

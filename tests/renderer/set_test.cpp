@@ -197,13 +197,20 @@ TEST(Set, AGlobThatNamesNothingIsAnInputError) {
 }
 
 TEST(Set, AGeometryWhoseFileIsMissingSaysWhichAndHow) {
+  // A copy of the study and its scene, beside which no mesh was ever fetched.
+  const fs::path source = EQUILUX_SOURCE_DIR;
+  const test::Folder folder;
+  for (const char* part : {"protocols", "stimuli/scenes"}) fs::create_directories(folder.path() / part);
+  for (const auto& entry : fs::directory_iterator(source / "protocols"))
+    if (entry.path().extension() == ".json")
+      fs::copy_file(entry.path(), folder.path() / "protocols" / entry.path().filename());
+  fs::copy_file(source / "stimuli/scenes/cafe.json", folder.path() / "stimuli/scenes/cafe.json");
   try {
-    make_set(
-        {std::string(EQUILUX_SOURCE_DIR) + "/protocols/validation.json", test::Folder() / "set", "Bunny-*"});
-    FAIL() << "the bunny is not in the repository";
+    make_set({folder.path() / "protocols/validation.json", folder / "set", "Bunny-*"});
+    FAIL() << "there is no bunny";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("bunny.ply"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("stimuli/meshes/README.md"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("stimuli/meshes/fetch.sh"), std::string::npos) << error.what();
   }
 }
 
