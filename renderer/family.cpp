@@ -44,6 +44,7 @@ template <typename Estimate>
 void add_batches(BatchSums& sums, const LayerJob& job, std::size_t pixel, std::uint64_t place,
                  const Estimate& estimate) {
   const std::uint32_t paths = job.map[pixel];
+  if (paths == 0) return;
   for (int batch = 0; batch < kBatches; ++batch) {
     PathSampler sampler(RandomStream(job.key, place * kBatches + static_cast<std::uint64_t>(batch)),
                         job.measures.low_discrepancy);
@@ -82,6 +83,7 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) 
   BatchSums background, direct, indirect;
   for (int position = 0; position < primary.positions; ++position) {
     const PrimaryHit& hit = primary.at(pixel, position);
+    if (hit.kind == PrimaryKind::kHidden) continue;
     const std::uint64_t place =
         pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
     if (hit.kind == PrimaryKind::kObject) {

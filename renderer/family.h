@@ -17,7 +17,8 @@ namespace equilux {
 /// Independent randomisations from which the standard error is taken.
 inline constexpr int kBatches = 16;
 
-/// Paths of one layer at each pixel, in each batch and at each subpixel position. shape: height x width
+/// Paths of one layer at each pixel, in each batch and at each subpixel position; none leave it black.
+/// shape: height x width
 using PathMap = std::vector<std::uint32_t>;
 
 struct PathMaps {

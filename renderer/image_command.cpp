@@ -1,6 +1,7 @@
 // equilux-render image: one picture of a scene.
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
 #include "base/version.h"
@@ -14,12 +15,26 @@ namespace {
 
 struct ImageOptions {
   PictureParams params;
-  std::string illumination = "ind", method = "path", vpls = "100k", clamp = "C0", view = "v0",
-              emission = "lambertian";
+  std::string illumination = "ind", method = "path", vpls = "100k", view = "v0", emission = "lambertian";
+  std::vector<std::string> clamps{"C0"};
   int paths = 256;
   std::vector<double> noise_target;
-  std::filesystem::path out, png, error_png;
+  std::vector<float> camera;
+  float fov_degrees = 40;
+  std::filesystem::path out, png, error_png, layers;
 };
+
+// C4 for all objects, Vase=C4 for one.
+struct ClampChoice {
+  std::string object;  ///< empty: all
+  std::string level;
+};
+
+ClampChoice split_clamp(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos) return {"", text};
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
 
 CLI::Validator is_vpls() {
   return CLI::Validator(
@@ -31,14 +46,42 @@ CLI::Validator is_vpls() {
 }
 
 CLI::Validator is_clamp() {
-  std::vector<std::string> levels;
-  for (int level = 0; level < kClampLevelCount; ++level) levels.push_back(format_clamp(level));
-  return CLI::IsMember(levels);
+  return CLI::Validator(
+      [](const std::string& text) {
+        const ClampChoice choice = split_clamp(text);
+        for (int level = 0; level < kClampLevelCount; ++level) {
+          if (choice.level == format_clamp(level)) return std::string();
+        }
+        return fmt::format("expected a level, C0 to C{}, or OBJECT=LEVEL, got {}", kClampLevelCount - 1,
+                           text);
+      },
+      "LEVEL|OBJECT=LEVEL", "clamp");
+}
+
+void set_clamps(const std::vector<std::string>& texts, PictureParams& params) {
+  for (const std::string& text : texts) {
+    const auto [object, level] = split_clamp(text);
+    const double clamp = clamp_per_m2(parse_clamp_level(level, "--clamp"));
+    if (object.empty()) {
+      params.clamp_per_m2 = clamp;
+    } else {
+      params.clamps_by_object[object] = clamp;
+    }
+  }
+}
+
+Camera make_camera(const std::vector<float>& numbers, float fov_degrees) {
+  const Camera camera{
+      {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, {0, 0, 1}, fov_degrees};
+  const Vec3 forward = normalize(camera.target - camera.position);
+  if (length(cross(forward, camera.up)) < 1e-4f)
+    throw InputError("--camera", "", "a target that is not above, below or at the position", "one");
+  return camera;
 }
 
 PictureParams to_params(const ImageOptions& options) {
   PictureParams params = options.params;
-  params.object.illumination = parse_illumination(options.illumination, "--illumination");
+  params.illumination = parse_illumination(options.illumination, "--illumination");
   params.view = options.view == "v1" ? 1 : 0;
   params.paths = {options.paths, options.paths, options.paths};
   if (!options.noise_target.empty()) {
@@ -48,9 +91,53 @@ PictureParams to_params(const ImageOptions& options) {
   if (options.method == "vpl") {
     params.emission = options.emission == "full" ? Emission::kFull : Emission::kLambertian;
     params.vpl_count = parse_vpl_count(options.vpls, "--vpls");
-    params.clamp_per_m2 = clamp_per_m2(parse_clamp_level(options.clamp, "--clamp"));
+    set_clamps(options.clamps, params);
   }
+  if (!options.camera.empty()) params.camera = make_camera(options.camera, options.fov_degrees);
   return params;
+}
+
+ExrMetadata make_metadata(const ImageOptions& options) {
+  return {{"equilux_method", options.method},
+          {"equilux_seed", fmt::format("{}", options.params.seed)},
+          {"equilux_version", kVersion},
+          {"equilux_unit", "W/(m^2 sr)"}};
+}
+
+void add_clamp(ExrMetadata& metadata, const PictureParams& params, double clamp_per_m2) {
+  if (params.vpl_count) metadata["equilux_clamp_per_m2"] = fmt::format("{}", clamp_per_m2);
+}
+
+// background.exr, and OBJECT.coverage.exr, OBJECT.direct.exr, OBJECT.indirect.exr for each object.
+void write_layers(const Picture& picture, const ImageOptions& options, const PictureParams& params) {
+  const auto save = [&](const HdrImage& layer, const std::string& name, ExrMetadata metadata) {
+    save_exr(layer, std::move(metadata), options.layers / (name + ".exr"));
+  };
+  const ExrMetadata metadata = make_metadata(options);
+  save(picture.background, "background", metadata);
+  for (const ObjectLayers& object : picture.objects) {
+    save(object.coverage, object.name + ".coverage", metadata);
+    save(object.direct, object.name + ".direct", metadata);
+    ExrMetadata clamped = metadata;
+    add_clamp(clamped, params, object.clamp_per_m2);
+    if (params.normalise) clamped["equilux_normalised"] = "to the unclamped layer's mean luminance";
+    save(object.indirect, object.name + ".indirect", clamped);
+  }
+}
+
+void print_picture(const Picture& picture, const PictureParams& params) {
+  if (params.vpl_count) {
+    fmt::print("VPLs: {}\n", picture.vpl_count);
+    for (const ObjectLayers& object : picture.objects)
+      fmt::print("{}: clamped at {} / m^2{}\n", object.name, object.clamp_per_m2,
+                 params.normalise ? ", normalised" : "");
+  }
+  fmt::print(
+      "standard error of the path-traced parts, steps of 255: object mean {:.2f}, p99 {:.2f}; outside mean "
+      "{:.2f}\n",
+      picture.noise.object_mean, picture.noise.object_p99, picture.noise.outside_mean);
+  fmt::print("paths a pixel: {:.0f}\n",
+             picture.paths / (static_cast<double>(params.width) * static_cast<double>(params.height)));
 }
 
 int write_image(const ImageOptions& options) {
@@ -59,22 +146,15 @@ int write_image(const ImageOptions& options) {
   for (const auto& path : {options.png, options.error_png}) {
     if (!path.empty()) check_writable(path);
   }
+  if (!options.layers.empty()) make_folder(options.layers);
   const Picture picture = make_picture(params);
-  ExrMetadata metadata{{"equilux_method", options.method},
-                       {"equilux_seed", fmt::format("{}", params.seed)},
-                       {"equilux_version", kVersion},
-                       {"equilux_unit", "W/(m^2 sr)"}};
-  if (params.vpl_count) metadata["equilux_clamp_per_m2"] = fmt::format("{}", params.clamp_per_m2);
+  ExrMetadata metadata = make_metadata(options);
+  if (picture.objects.size() == 1) add_clamp(metadata, params, picture.objects.front().clamp_per_m2);
   save_exr(picture.image, metadata, options.out);
   if (!options.png.empty()) save_png(picture.display, options.png);
   if (!options.error_png.empty()) save_png(picture.noise_display, options.error_png);
-  if (params.vpl_count) fmt::print("VPLs: {}\n", picture.vpl_count);
-  fmt::print(
-      "standard error of the path-traced parts, steps of 255: object mean {:.2f}, p99 {:.2f}; outside mean "
-      "{:.2f}\n",
-      picture.noise.object_mean, picture.noise.object_p99, picture.noise.outside_mean);
-  fmt::print("paths a pixel: {:.0f}\n",
-             picture.paths / (static_cast<double>(params.width) * static_cast<double>(params.height)));
+  if (!options.layers.empty()) write_layers(picture, options, params);
+  print_picture(picture, params);
   fmt::print("{}\n", options.out.string());
   return kExitOk;
 }
@@ -83,15 +163,18 @@ int write_image(const ImageOptions& options) {
 
 void add_image(CLI::App& app, CommandLine& line) {
   auto options = std::make_shared<ImageOptions>();
-  options->params.object = {"G0", "MS", Illumination::kIndirect};
   CLI::App* image = app.add_subcommand("image", "Render one picture of a scene to EXR");
   image->add_option("scene", options->params.scene_path, "Scene file")->required();
   image->add_option("--out", options->out, "EXR file to write")->required();
   image->add_option("--png", options->png, "PNG to write too, through the tone curve of its own background");
   image->add_option("--error-png", options->error_png,
                     "PNG of the path-traced parts' standard error, 51 grey levels a displayed step");
-  image->add_option("--geometry", options->params.object.geometry, "Geometry of the object (G0)");
-  image->add_option("--material", options->params.object.material, "Material of the object (MS)");
+  image->add_option("--layers", options->layers,
+                    "Folder for the background and each object's coverage, direct and indirect light, EXR");
+  image->add_option(
+      "--geometry", options->params.geometry,
+      "Geometry of the object (G0); of a scene with sculptures, the one that is the object (all)");
+  image->add_option("--material", options->params.material, "Material of the object (MS; a sculpture's own)");
   image->add_option("--illumination", options->illumination, "ind or dir")
       ->check(CLI::IsMember({"ind", "dir"}));
   image->add_option("--view", options->view, "v0 or v1")->check(CLI::IsMember({"v0", "v1"}));
@@ -99,9 +182,19 @@ void add_image(CLI::App& app, CommandLine& line) {
       ->check(CLI::IsMember({"path", "vpl"}));
   const std::vector<CLI::Option*> of_vpls = {
       image->add_option("--vpls", options->vpls, "Number of VPLs (100k)")->check(is_vpls()),
-      image->add_option("--clamp", options->clamp, "Clamp level (C0, none)")->check(is_clamp()),
+      image->add_option("--clamp", options->clamps, "Clamp level (C0, none), or OBJECT=LEVEL for one object")
+          ->check(is_clamp()),
+      image->add_flag("--normalise", options->params.normalise,
+                      "Scale each object's clamped light to the mean luminance of its unclamped light"),
       image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")
           ->check(CLI::IsMember({"lambertian", "full"}))};
+  CLI::Option* camera =
+      image->add_option("--camera", options->camera, "In place of the view: position and target, six numbers")
+          ->expected(6)
+          ->check(CLI::Range(-1e9, 1e9));
+  image->add_option("--fov", options->fov_degrees, "Vertical field of view with --camera, degrees (40)")
+      ->check(CLI::Range(0.01, 170.0))
+      ->needs(camera);
   image->add_option("--width", options->params.width, "Pixels (560)")->check(CLI::Range(1, 16384));
   image->add_option("--height", options->params.height, "Pixels (420)")->check(CLI::Range(1, 16384));
   image->add_option("--positions", options->params.positions, "Subpixel positions (4)")

@@ -1,6 +1,10 @@
 // A scene, a method, a picture.
 #include "renderer/picture.h"
 
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
 #include "base/progress.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
@@ -8,18 +12,97 @@
 namespace equilux {
 namespace {
 
-HdrImage shade_object(const World& world, const Primary& primary, const PictureParams& params,
-                      const Materials& materials, const VplSet& vpls) {
-  const auto points = find_shading_points(primary);
-  const double pairs = static_cast<double>(points.size()) * static_cast<double>(vpls.count());
-  Progress progress("shading", pairs);
-  HdrImage layer(primary.width, primary.height);
-  for (const auto* part : {&vpls.shared, &vpls.own}) {
-    const auto shaded = shade_all_vpls(world, points, *part, {materials[kObjectMaterial]},
-                                       {params.clamp_per_m2}, [&](double done) { progress.advance(done); });
-    add_to_layer(shaded, 0, 0, points, primary.positions, layer);
+struct PictureScene {
+  World world;
+  Materials materials;
+  std::string stream_name;
+  Primary primary;
+};
+
+const Sculpture* find_sculpture(const Scene& scene, const std::string& name) {
+  for (const Sculpture& sculpture : scene.sculptures) {
+    if (sculpture.name == name) return &sculpture;
   }
-  return layer;
+  return nullptr;
+}
+
+PictureScene make_all_sculptures(const Scene& scene, const PictureParams& params) {
+  if (params.material) {
+    throw InputError("--material", "", "a geometry to give it to: the scene has sculptures",
+                     *params.material);
+  }
+  World world = make_sculpture_world(scene, params.illumination);
+  std::vector<MaterialSpec> own;
+  for (const Sculpture& sculpture : scene.sculptures) own.push_back(find_material(scene, sculpture.material));
+  Materials materials = make_materials(world, own);
+  const std::string illumination = format_illumination(params.illumination);
+  return {std::move(world),
+          std::move(materials),
+          fmt::format("sculptures-{}-v{}", illumination, params.view),
+          {}};
+}
+
+PictureScene make_one_object(const Scene& scene, const PictureParams& params) {
+  const std::string geometry = params.geometry.value_or("G0");
+  const Sculpture* sculpture = find_sculpture(scene, geometry);
+  const std::string material = params.material.value_or(sculpture ? sculpture->material : "MS");
+  World world = make_world(scene, geometry, params.illumination);
+  Materials materials = make_materials(world, find_material(scene, material));
+  // A set's own, so that its reference is this picture.
+  const Family family{{geometry, material, params.illumination}, params.view};
+  return {std::move(world), std::move(materials), format_key(family), {}};
+}
+
+PictureScene make_picture_scene(const PictureParams& params) {
+  const Scene scene = load_scene(params.scene_path);
+  const bool all = !scene.sculptures.empty() && !params.geometry;
+  PictureScene made = all ? make_all_sculptures(scene, params) : make_one_object(scene, params);
+  const Camera camera = params.camera.value_or(make_view_camera(scene, params.view));
+  made.primary = trace_primary(made.world, camera, params.width, params.height, params.positions);
+  return made;
+}
+
+double clamp_of(const PictureParams& params, const std::string& object) {
+  const auto found = params.clamps_by_object.find(object);
+  return found == params.clamps_by_object.end() ? params.clamp_per_m2 : found->second;
+}
+
+void check_clamps(const PictureParams& params, const World& world) {
+  std::string known;
+  for (const std::string& name : world.objects()) known += (known.empty() ? "" : ", ") + name;
+  for (const auto& [name, clamp] : params.clamps_by_object) {
+    if (std::find(world.objects().begin(), world.objects().end(), name) == world.objects().end())
+      throw InputError("--clamp", name, "an object of the picture: " + known, name);
+  }
+}
+
+// The object's layer at its own clamp, and unclamped where it is to be normalised to that.
+HdrImage shade_object(const PictureScene& scene, const PictureParams& params, std::int32_t object,
+                      const VplSet& vpls, Progress& progress) {
+  const auto points = find_shading_points(scene.primary, object);
+  const auto index = static_cast<std::size_t>(object);
+  std::vector<double> clamps{clamp_of(params, scene.world.objects()[index])};
+  if (params.normalise) clamps.push_back(std::numeric_limits<double>::infinity());
+  std::vector<HdrImage> layers(clamps.size(), HdrImage(scene.primary.width, scene.primary.height));
+  for (const auto* part : {&vpls.shared, &vpls.own}) {
+    const auto shaded = shade_all_vpls(scene.world, points, *part, {scene.materials[index]}, clamps,
+                                       [&](double done) { progress.advance(done); });
+    for (std::size_t level = 0; level < clamps.size(); ++level)
+      add_to_layer(shaded, 0, level, points, scene.primary.positions, layers[level]);
+  }
+  return params.normalise ? normalise_luminance(layers[0], layers[1]) : layers[0];
+}
+
+void shade_objects(const PictureScene& scene, const PictureParams& params, Picture& picture) {
+  const std::int64_t path_count = find_path_count(scene.world, *params.vpl_count, params.seed);
+  const VplSet vpls =
+      trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
+  picture.vpl_count = vpls.count();
+  double points = 0;
+  for (const PrimaryHit& hit : scene.primary.hits) points += hit.kind == PrimaryKind::kObject;
+  Progress progress("shading", points * static_cast<double>(vpls.count()));
+  for (std::size_t i = 0; i < picture.objects.size(); ++i)
+    picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), vpls, progress);
 }
 
 LdrImage show_noise(const HdrImage& image, const HdrImage& standard_error, const ToneRecord& tone) {
@@ -30,48 +113,71 @@ LdrImage show_noise(const HdrImage& image, const HdrImage& standard_error, const
   return shown;
 }
 
-FamilyLayers trace_path_layers(const FamilyScene& scene, const PictureParams& params) {
+ReferenceParams make_params(const PictureParams& params, const std::string& stream_name) {
   ReferenceParams reference;
   if (params.noise_target) {
     reference.target = *params.noise_target;
   } else {
     reference.fixed = params.paths;
-    if (params.vpl_count) reference.fixed->object_indirect = 1;  // VPLs light the object instead
   }
   reference.seed = params.seed;
-  reference.stream_name = format_key(Family{params.object, params.view});
+  reference.stream_name = stream_name;
+  return reference;
+}
+
+void add_in_quadrature(HdrImage& sum, const HdrImage& more) {
+  for (std::size_t i = 0; i < sum.values.size(); ++i)
+    sum.values[i] = std::hypot(sum.values[i], more.values[i]);
+}
+
+// The room, then each object by itself; gives the standard error of their sum.
+HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& params, Picture& picture) {
+  const ReferenceParams reference = make_params(params, scene.stream_name);
   Progress progress("path tracing", estimate_family_paths(reference, scene.primary));
-  return trace_family(
-      scene, reference,
-      {[&](double paths) { progress.advance(paths); }, [&](double paths) { progress.expect_more(paths); }});
+  const FamilyProgress report{[&](double paths) { progress.advance(paths); },
+                              [&](double paths) { progress.expect_more(paths); }};
+  PathMaps maps = allot_family({scene.world, scene.materials, scene.primary}, reference, report);
+  if (params.vpl_count) maps.indirect.assign(maps.indirect.size(), 0);  // VPLs light the objects instead
+  picture.paths = count_paths(scene.primary, maps);
+  const auto trace = [&](const Primary& part) {
+    return trace_layers({scene.world, scene.materials, part}, maps, reference.seed, reference.stream_name,
+                        reference.measures, report.advance);
+  };
+  TracedLayers room = trace(isolate_room(scene.primary));
+  HdrImage standard_error = combine_standard_errors(room);
+  picture.background = std::move(room.background.mean);
+  for (std::size_t i = 0; i < scene.world.objects().size(); ++i) {
+    const Primary part = isolate_object(scene.primary, static_cast<std::int32_t>(i));
+    TracedLayers traced = trace(part);
+    add_in_quadrature(standard_error, combine_standard_errors(traced));
+    const std::string& name = scene.world.objects()[i];
+    picture.objects.push_back({name, clamp_of(params, name), make_coverage(part),
+                               std::move(traced.direct.mean), std::move(traced.indirect.mean)});
+  }
+  return standard_error;
+}
+
+HdrImage add_layers(const Picture& picture) {
+  std::vector<const HdrImage*> layers{&picture.background};
+  for (const ObjectLayers& object : picture.objects)
+    layers.insert(layers.end(), {&object.direct, &object.indirect});
+  return composite(layers);
 }
 
 }  // namespace
 
 Picture make_picture(const PictureParams& params) {
-  const Scene scene = load_scene(params.scene_path);
-  const MaterialSpec& object_material = find_material(scene, params.object.material);
-  const World world = make_world(scene, params.object.geometry, params.object.illumination);
-  const Materials materials = make_materials(world, object_material);
-  const Primary primary = trace_primary(world, make_view_camera(scene, params.view), params.width,
-                                        params.height, params.positions);
-  const FamilyLayers traced = trace_path_layers({world, materials, primary}, params);
+  const PictureScene scene = make_picture_scene(params);
+  check_clamps(params, scene.world);
   Picture picture;
-  if (params.vpl_count) {
-    const std::int64_t path_count = find_path_count(world, *params.vpl_count, params.seed);
-    const VplSet vpls = trace_vpls(world, materials, path_count, params.seed, "vpls", params.emission);
-    picture.vpl_count = vpls.count();
-    const HdrImage lit = shade_object(world, primary, params, materials, vpls);
-    picture.image = composite({&traced.background, &traced.direct, &lit});
-  } else {
-    picture.image = composite({&traced.background, &traced.direct, &traced.indirect});
-  }
-  picture.paths = traced.paths;
-  const HdrImage coverage = make_coverage(primary);
+  const HdrImage standard_error = trace_path_layers(scene, params, picture);
+  if (params.vpl_count) shade_objects(scene, params, picture);
+  picture.image = add_layers(picture);
+  const HdrImage coverage = make_coverage(scene.primary);
   const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);
   picture.display = apply_tone_curve(picture.image, tone);
-  picture.noise_display = show_noise(picture.image, traced.standard_error, tone);
-  picture.noise = measure_display_noise(picture.image, traced.standard_error, coverage, tone);
+  picture.noise_display = show_noise(picture.image, standard_error, tone);
+  picture.noise = measure_display_noise(picture.image, standard_error, coverage, tone);
   return picture;
 }
 

@@ -29,7 +29,7 @@ CameraFrame make_frame(const Camera& camera) {
 PrimaryHit trace_one(const World& world, Vec3 origin, Vec3 direction) {
   const auto point = world.intersect(origin, direction);
   if (!point) return {};
-  return {point->is_object ? PrimaryKind::kObject : PrimaryKind::kRoom, *point, -direction};
+  return {point->is_object() ? PrimaryKind::kObject : PrimaryKind::kRoom, *point, -direction};
 }
 
 }  // namespace
@@ -66,6 +66,22 @@ Primary trace_primary(const World& world, const Camera& camera, int width, int h
     }
   });
   return primary;
+}
+
+Primary isolate_object(const Primary& primary, std::int32_t object) {
+  Primary alone = primary;
+  for (PrimaryHit& hit : alone.hits) {
+    if (hit.kind != PrimaryKind::kObject || hit.point.object != object) hit.kind = PrimaryKind::kHidden;
+  }
+  return alone;
+}
+
+Primary isolate_room(const Primary& primary) {
+  Primary room = primary;
+  for (PrimaryHit& hit : room.hits) {
+    if (hit.kind == PrimaryKind::kObject) hit.kind = PrimaryKind::kHidden;
+  }
+  return room;
 }
 
 HdrImage make_coverage(const Primary& primary) {

@@ -10,7 +10,8 @@
 
 namespace equilux {
 
-enum class PrimaryKind : std::uint8_t { kNothing, kObject, kRoom };
+/// kHidden: left out of this picture's layers.
+enum class PrimaryKind : std::uint8_t { kNothing, kObject, kRoom, kHidden };
 
 struct PrimaryHit {
   PrimaryKind kind = PrimaryKind::kNothing;
@@ -34,6 +35,13 @@ struct Primary {
 std::vector<std::array<float, 2>> make_subpixel_positions(int count);
 
 Primary trace_primary(const World& world, const Camera& camera, int width, int height, int positions);
+
+/// What is seen of one object; all else is hidden. Layers of it are those of the whole picture: random
+/// numbers belong to the place.
+Primary isolate_object(const Primary& primary, std::int32_t object);
+
+/// What is seen of the room alone; the objects are hidden.
+Primary isolate_room(const Primary& primary);
 
 /// Share of the positions at which the object is seen. shape: height x width x 1
 HdrImage make_coverage(const Primary& primary);

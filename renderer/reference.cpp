@@ -66,14 +66,21 @@ double estimate_family_paths(const ReferenceParams& params, const Primary& prima
          count_paths(primary, make_pilot_maps(primary));
 }
 
-FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
-                          const FamilyProgress& progress) {
-  const PathMaps maps = allot(scene, params, progress);
-  const double paths = count_paths(scene.primary, maps);
+PathMaps allot_family(const FamilyScene& scene, const ReferenceParams& params,
+                      const FamilyProgress& progress) {
+  PathMaps maps = allot(scene, params, progress);
   if (!params.fixed) {
-    progress.expect_more(paths + count_paths(scene.primary, make_pilot_maps(scene.primary)) -
+    progress.expect_more(count_paths(scene.primary, maps) +
+                         count_paths(scene.primary, make_pilot_maps(scene.primary)) -
                          estimate_family_paths(params, scene.primary));
   }
+  return maps;
+}
+
+FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
+                          const FamilyProgress& progress) {
+  const PathMaps maps = allot_family(scene, params, progress);
+  const double paths = count_paths(scene.primary, maps);
   TracedLayers layers =
       trace_layers(scene, maps, params.seed, params.stream_name, params.measures, progress.advance);
   HdrImage standard_error = combine_standard_errors(layers);

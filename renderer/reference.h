@@ -35,6 +35,10 @@ struct FamilyProgress {
   std::function<void(double)> expect_more;
 };
 
+/// The paths of each pixel: fixed, or by pilots for the target. errors: as trace_layers
+PathMaps allot_family(const FamilyScene& scene, const ReferenceParams& params,
+                      const FamilyProgress& progress);
+
 /// errors: as trace_layers
 FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
                           const FamilyProgress& progress);

@@ -270,7 +270,7 @@ std::uint64_t morton(std::uint32_t x, std::uint32_t y) {
 
 }  // namespace
 
-std::vector<ShadingPoint> find_shading_points(const Primary& primary) {
+std::vector<ShadingPoint> find_shading_points(const Primary& primary, std::int32_t object) {
   const auto width = static_cast<std::uint32_t>(primary.width),
              height = static_cast<std::uint32_t>(primary.height);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
@@ -282,7 +282,8 @@ std::vector<ShadingPoint> find_shading_points(const Primary& primary) {
   for (const auto& [code, pixel] : order) {
     for (int position = 0; position < primary.positions; ++position) {
       const PrimaryHit& hit = primary.at(pixel, position);
-      if (hit.kind == PrimaryKind::kObject) points.push_back({pixel, hit.point, hit.v});
+      if (hit.kind == PrimaryKind::kObject && hit.point.object == object)
+        points.push_back({pixel, hit.point, hit.v});
     }
   }
   return points;

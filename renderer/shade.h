@@ -18,8 +18,8 @@ struct ShadingPoint {
   Vec3 v;
 };
 
-/// Points of the object in the order of a Morton curve over pixels, so that neighbours are near in space.
-std::vector<ShadingPoint> find_shading_points(const Primary& primary);
+/// Points of an object in the order of a Morton curve over pixels, so that neighbours are near in space.
+std::vector<ShadingPoint> find_shading_points(const Primary& primary, std::int32_t object = 0);
 
 /// Radiance towards v. shape: material x level x point, point fastest.
 struct ShadedPoints {

@@ -88,7 +88,7 @@ void trace_path(const PathParams& params, PathSampler sampler, VplSet& set) {
     const auto hit = params.world.intersect(particle.origin, particle.direction);
     const Vec3 wi = -particle.direction;
     if (!hit || !(dot(hit->ns, wi) > 0)) return;
-    particle.met_object = particle.met_object || hit->is_object;
+    particle.met_object = particle.met_object || hit->is_object();
     const Material& material = params.materials[hit->material];
     add_vpl(set, *hit, material, wi, particle, params.emission);
     const Vec3 before = particle.weight;
@@ -146,7 +146,8 @@ VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t p
 
 std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed) {
   const float grey = kPilotReflectance;
-  const Materials materials = make_materials(world, {"pilot", {grey, grey, grey}, {}, 0});
+  const MaterialSpec pilot_material{"pilot", {grey, grey, grey}, {}, 0};
+  const Materials materials = make_materials(world, std::vector(world.objects().size(), pilot_material));
   const VplSet pilot = trace_vpls(world, materials, kPilotPaths, seed, "vpl-pilot");
   if (pilot.count() == 0)
     throw InputError("scene", "/lights", "light that reaches a surface that is not black", "none");

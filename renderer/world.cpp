@@ -15,7 +15,7 @@ namespace {
 struct Part {
   TriangleMesh mesh;
   std::uint32_t material = 0;
-  bool is_object = false;
+  std::int32_t object = -1;
   std::int32_t emitter = -1;
 };
 
@@ -94,7 +94,7 @@ SurfacePoint make_surface_point(const Part& part, std::uint32_t primitive, float
   if (!front) point.ng = -point.ng;
   if (dot(point.ns, point.ng) < 0) point.ns = -point.ns;
   point.material = part.material;
-  point.is_object = part.is_object;
+  point.object = part.object;
   point.emitter = front ? part.emitter : -1;
   return point;
 }
@@ -136,47 +136,93 @@ void flush_denormals() {
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 }
 
-World make_world(const Scene& scene, const std::string& geometry, Illumination illumination) {
-  World world;
-  auto& parts = world.impl_->parts;
-  parts.push_back({make_object(scene, geometry), kObjectMaterial, true, -1});
-  std::map<std::string, std::uint32_t> indices;
-  for (const Instance& instance : scene.instances) {
-    const auto next = static_cast<std::uint32_t>(world.room_materials_.size()) + 1;
-    const auto [found, added] = indices.try_emplace(instance.material, next);
-    if (added) world.room_materials_.push_back(find_material(scene, instance.material));
-    parts.push_back(
-        {place_mesh(make_mesh(scene, instance.mesh), instance.placement), found->second, false, -1});
+// Puts parts and lights into a world, then commits it.
+class WorldBuilder {
+ public:
+  void add_object(const Scene& scene, const std::string& geometry) {
+    const auto index = static_cast<std::uint32_t>(world_.objects_.size());
+    parts().push_back({make_object(scene, geometry), index, static_cast<std::int32_t>(index), -1});
+    world_.objects_.push_back(geometry);
   }
-  world.room_materials_.push_back({"emitter", {}, {}, 0});
-  const auto black = static_cast<std::uint32_t>(world.room_materials_.size());
-  for (const Light& light : scene.lights) {
-    if (!is_on(light, illumination)) continue;
-    if (const auto* spot = std::get_if<SpotLight>(&light.shape)) {
-      world.spots_.push_back(*spot);
-    } else if (const auto* environment = std::get_if<EnvironmentLight>(&light.shape)) {
-      world.environment_ = environment->radiance_w_per_m2_sr;
-    } else {
-      world.rectangles_.push_back(std::get<RectangleLight>(light.shape));
-      parts.push_back(make_emitter_part(world.rectangles_.back(),
-                                        static_cast<std::int32_t>(world.rectangles_.size()) - 1, black));
+
+  // After all objects: their materials come first.
+  void add_room(TriangleMesh mesh, const MaterialSpec& material) {
+    const auto next = static_cast<std::uint32_t>(world_.objects_.size() + world_.room_materials_.size());
+    const auto [found, added] = indices_.try_emplace(material.name, next);
+    if (added) world_.room_materials_.push_back(material);
+    parts().push_back({std::move(mesh), found->second, -1, -1});
+  }
+
+  void add_instances(const Scene& scene) {
+    for (const Instance& instance : scene.instances) {
+      add_room(place_mesh(make_mesh(scene, instance.mesh), instance.placement),
+               find_material(scene, instance.material));
     }
   }
-  const RTCDevice device = shared_device();
-  world.impl_->scene = rtcNewScene(device);
-  rtcSetSceneFlags(world.impl_->scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(world.impl_->scene, RTC_BUILD_QUALITY_HIGH);
-  for (const Part& part : parts) attach_part(device, world.impl_->scene, part);
-  rtcCommitScene(world.impl_->scene);
-  check_device(device);
-  RTCBounds bounds;
-  rtcGetSceneBounds(world.impl_->scene, &bounds);
-  const Vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
-      high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
-  world.center_ = low * 0.5f + high * 0.5f;
-  // A little larger than the box's own, so that rounding leaves no surface outside.
-  world.radius_ = 0.5001f * length(high - low);
-  return world;
+
+  void add_lights(const Scene& scene, Illumination illumination) {
+    world_.room_materials_.push_back({"emitter", {}, {}, 0});
+    const auto black = static_cast<std::uint32_t>(world_.objects_.size() + world_.room_materials_.size()) - 1;
+    for (const Light& light : scene.lights) {
+      if (!is_on(light, illumination)) continue;
+      if (const auto* spot = std::get_if<SpotLight>(&light.shape)) {
+        world_.spots_.push_back(*spot);
+      } else if (const auto* environment = std::get_if<EnvironmentLight>(&light.shape)) {
+        world_.environment_ = environment->radiance_w_per_m2_sr;
+      } else {
+        world_.rectangles_.push_back(std::get<RectangleLight>(light.shape));
+        parts().push_back(make_emitter_part(world_.rectangles_.back(),
+                                            static_cast<std::int32_t>(world_.rectangles_.size()) - 1, black));
+      }
+    }
+  }
+
+  World commit() {
+    const RTCDevice device = shared_device();
+    RTCScene& scene = world_.impl_->scene;
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    for (const Part& part : parts()) attach_part(device, scene, part);
+    rtcCommitScene(scene);
+    check_device(device);
+    RTCBounds bounds;
+    rtcGetSceneBounds(scene, &bounds);
+    const Vec3 low{bounds.lower_x, bounds.lower_y, bounds.lower_z},
+        high{bounds.upper_x, bounds.upper_y, bounds.upper_z};
+    world_.center_ = low * 0.5f + high * 0.5f;
+    // A little larger than the box's own, so that rounding leaves no surface outside.
+    world_.radius_ = 0.5001f * length(high - low);
+    return std::move(world_);
+  }
+
+ private:
+  std::vector<Part>& parts() { return world_.impl_->parts; }
+
+  World world_;
+  std::map<std::string, std::uint32_t> indices_;
+};
+
+World make_world(const Scene& scene, const std::string& geometry, Illumination illumination) {
+  WorldBuilder builder;
+  builder.add_object(scene, geometry);
+  builder.add_instances(scene);
+  for (const Sculpture& sculpture : scene.sculptures) {
+    if (sculpture.name != geometry)
+      builder.add_room(make_object(scene, sculpture.name), find_material(scene, sculpture.material));
+  }
+  builder.add_lights(scene, illumination);
+  return builder.commit();
+}
+
+World make_sculpture_world(const Scene& scene, Illumination illumination) {
+  if (scene.sculptures.empty())
+    throw InputError(scene.path.string(), "/", "a scene with sculptures", "one with an object");
+  WorldBuilder builder;
+  for (const Sculpture& sculpture : scene.sculptures) builder.add_object(scene, sculpture.name);
+  builder.add_instances(scene);
+  builder.add_lights(scene, illumination);
+  return builder.commit();
 }
 
 std::size_t World::triangle_count() const {
@@ -236,10 +282,17 @@ std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_
   return visible & valid;
 }
 
-Materials make_materials(const World& world, const MaterialSpec& object_material) {
-  Materials materials{make_material(object_material)};
+Materials make_materials(const World& world, const std::vector<MaterialSpec>& object_materials) {
+  EQ_CHECK(object_materials.size() == world.objects().size(), object_materials.size(),
+           world.objects().size());
+  Materials materials;
+  for (const MaterialSpec& spec : object_materials) materials.push_back(make_material(spec));
   for (const MaterialSpec& spec : world.room_materials()) materials.push_back(make_material(spec));
   return materials;
+}
+
+Materials make_materials(const World& world, const MaterialSpec& object_material) {
+  return make_materials(world, std::vector{object_material});
 }
 
 }  // namespace equilux

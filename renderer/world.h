@@ -1,4 +1,4 @@
-// The world of one geometry under one illumination, ready for rays.
+// The world of one geometry, or of all sculptures, under one illumination, ready for rays.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace equilux {
 
-/// Index of the object's material in Materials; the room's follow.
+/// Index of the first object's material in Materials; those of further objects and of the room follow.
 inline constexpr std::uint32_t kObjectMaterial = 0;
 
 /// Bound on the rounding error of points on a surface whose largest coordinate this is: barycentric
@@ -31,8 +31,10 @@ struct SurfacePoint {
   Vec3 ns;            ///< shading normal, unit
   float epsilon = 0;  ///< bound on the rounding error of p: rays start this far along ng. units: m
   std::uint32_t material = 0;
-  bool is_object = false;
+  std::int32_t object = -1;   ///< index of the object, or -1 in the room
   std::int32_t emitter = -1;  ///< index of the rectangle light hit on its shining side, or -1
+
+  bool is_object() const { return object >= 0; }
 
   Vec3 origin() const { return p + ng * epsilon; }
 };
@@ -69,11 +71,13 @@ class World {
   /// A sphere around all surfaces.
   Vec3 center() const { return center_; }
   float radius() const { return radius_; }
+  /// What VPLs light: the one object by its geometry, or every sculpture by its name.
+  const std::vector<std::string>& objects() const { return objects_; }
   const std::vector<MaterialSpec>& room_materials() const { return room_materials_; }
   std::size_t triangle_count() const;
 
  private:
-  friend World make_world(const Scene& scene, const std::string& geometry, Illumination illumination);
+  friend class WorldBuilder;
   World();
 
   struct Impl;
@@ -83,15 +87,21 @@ class World {
   Vec3 environment_;
   Vec3 center_;
   float radius_ = 0;
-  std::vector<MaterialSpec> room_materials_;  ///< index: SurfacePoint::material - 1
+  std::vector<std::string> objects_;
+  std::vector<MaterialSpec> room_materials_;  ///< index: SurfacePoint::material - objects_.size()
 };
 
-/// Makes only what this geometry and illumination need: other objects and lights that are off are left out.
+/// Makes only what this geometry and illumination need: other geometries and lights that are off are left
+/// out. Where the scene has sculptures, the one of this name is the object and the others belong to the room.
 /// errors: InputError for a geometry that the scene lacks or a mesh that cannot be read.
 World make_world(const Scene& scene, const std::string& geometry, Illumination illumination);
 
-/// The world's materials with the object's in its place.
+/// Every sculpture is an object, in the scene's order. errors: InputError if the scene has none.
+World make_sculpture_world(const Scene& scene, Illumination illumination);
+
+/// The world's materials with the objects' in their places. shape: object_materials as world.objects()
 using Materials = std::vector<Material>;
+Materials make_materials(const World& world, const std::vector<MaterialSpec>& object_materials);
 Materials make_materials(const World& world, const MaterialSpec& object_material);
 
 }  // namespace equilux

@@ -1,4 +1,4 @@
-// Quads, boxes, lathes, sweeps, spheres and blobs.
+// Quads, boxes, lathes, sweeps, spheres, blobs and what is scattered over them.
 #include "stimuli/generators.h"
 
 #include <map>
@@ -149,6 +149,50 @@ class WaveNoise {
   std::vector<Wave> waves_;
 };
 
+// Triangles of a mesh by area.
+class FaceDistribution {
+ public:
+  explicit FaceDistribution(const TriangleMesh& mesh) : mesh_(mesh) {
+    double sum = 0;
+    for (const auto& triangle : mesh.triangles) sums_.push_back(sum += length(area_vector(triangle)));
+    EQ_CHECK(sum > 0, mesh.triangles.size());
+  }
+
+  struct Sample {
+    Vec3 p, normal;
+  };
+  Sample draw(RandomStream& random) const {
+    const auto found = std::upper_bound(sums_.begin(), sums_.end(), random.next_double() * sums_.back());
+    const auto i = static_cast<std::size_t>(std::min(found, sums_.end() - 1) - sums_.begin());
+    const auto& [a, b, c] = mesh_.triangles[i];
+    const float root = std::sqrt(random.next_float()), v = random.next_float();
+    const Vec3 p = mesh_.positions[a] * (1 - root) + mesh_.positions[b] * (root * (1 - v)) +
+                   mesh_.positions[c] * (root * v);
+    return {p, normalize(area_vector(mesh_.triangles[i]))};
+  }
+
+ private:
+  Vec3 area_vector(const std::array<std::uint32_t, 3>& triangle) const {
+    const Vec3 a = mesh_.positions[triangle[0]];
+    return cross(mesh_.positions[triangle[1]] - a, mesh_.positions[triangle[2]] - a);
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<double> sums_;
+};
+
+// +z along `normal`, leaning by `lean`, both turned by angles drawn from `random`. units: radians
+Frame draw_frame(Vec3 normal, float lean, RandomStream& random) {
+  const float towards = 2 * kPi * random.next_float(), spin = 2 * kPi * random.next_float();
+  const float by = lean * random.next_float();
+  Frame frame(Frame(normal).to_world(
+      {std::sin(by) * std::cos(towards), std::sin(by) * std::sin(towards), std::cos(by)}));
+  const Vec3 s = frame.s * std::cos(spin) + frame.t * std::sin(spin);
+  frame.t = cross(frame.n, s);
+  frame.s = s;
+  return frame;
+}
+
 }  // namespace
 
 TriangleMesh make_quad(Vec3 u, Vec3 v) { return {{{0, 0, 0}, u, u + v, v}, {}, {{0, 1, 2}, {0, 2, 3}}}; }
@@ -241,6 +285,23 @@ TriangleMesh make_blob(const BlobParams& params) {
                             static_cast<float>(gradient[2])} *
                        params.amplitude;
     mesh.normals.push_back(normalize(d - (slope - d * dot(slope, d))));
+  }
+  return mesh;
+}
+
+TriangleMesh make_scatter(const TriangleMesh& part, const TriangleMesh& over, const ScatterParams& params) {
+  const FaceDistribution faces(over);
+  TriangleMesh mesh;
+  for (int i = 0; i < params.count; ++i) {
+    RandomStream random(params.seed, "scatter", static_cast<std::uint64_t>(i));
+    const auto [p, normal] = faces.draw(random);
+    const Frame frame = draw_frame(normal, params.lean_degrees * kPi / 180, random);
+    const float scale =
+        params.smallest_scale + (params.largest_scale - params.smallest_scale) * random.next_float();
+    TriangleMesh copy = part;
+    for (Vec3& q : copy.positions) q = frame.to_world(q * scale) + p;
+    for (Vec3& n : copy.normals) n = frame.to_world(n);
+    append_mesh(mesh, copy);
   }
   return mesh;
 }

@@ -6,6 +6,7 @@
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "stimuli/generators.h"
 #include "stimuli/scene_json.h"
 
 namespace equilux {
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 constexpr float kViewTurnDegrees = 15;
 constexpr std::size_t kMaxGroupParts = 10000;
-constexpr const char* kMeshKinds[] = {"quad", "box", "lathe", "sweep", "sphere", "blob", "file", "group"};
+constexpr const char* kMeshKinds[] = {"quad",   "box",  "lathe",   "sweep", "extrude",
+                                      "sphere", "blob", "scatter", "file",  "group"};
 
 Json to_json(Vec3 v) {
   Json json;
@@ -111,13 +113,27 @@ Light make_light(const Json& json, const std::string& source, const std::string&
   return light;
 }
 
+void check_outline(const Json& json, const std::string& source, const std::string& place) {
+  std::vector<std::array<float, 2>> outline;
+  for (const Json& point : json.as_array())
+    outline.push_back(
+        {static_cast<float>(point.at(0).as_double()), static_cast<float>(point.at(1).as_double())});
+  if (!is_simple_outline(outline)) {
+    throw InputError(source, place + "/extrude/outline",
+                     "a closed outline with an area that never meets itself",
+                     fmt::format("{} points that do", outline.size()));
+  }
+}
+
 Json check_mesh(const Json& json, const std::string& source, const std::string& place) {
   int kinds = 0;
   for (const char* kind : kMeshKinds) kinds += json.find(kind) != nullptr;
   if (kinds != 1) {
-    throw InputError(source, place, "exactly one of quad, box, lathe, sweep, sphere, blob, file, group",
+    throw InputError(source, place,
+                     "exactly one of quad, box, lathe, sweep, extrude, sphere, blob, scatter, file, group",
                      fmt::format("{} of them", kinds));
   }
+  if (const Json* extrude = json.find("extrude")) check_outline(extrude->at("outline"), source, place);
   if (const Json* lathe = json.find("lathe")) {
     const auto& profile = lathe->at("profile").as_array();
     const auto radius = [&](std::size_t i) { return static_cast<float>(profile[i].at(0).as_double()); };
@@ -132,27 +148,43 @@ Json check_mesh(const Json& json, const std::string& source, const std::string& 
   return json;
 }
 
-// Groups may use only meshes that stand before them, which keeps them free of cycles.
+// A mesh that another is made from, how often, and where that is said.
+struct MeshUse {
+  std::string name, place;
+  std::size_t times = 1;
+};
+
+std::vector<MeshUse> find_uses(const Json& json, const std::string& place) {
+  std::vector<MeshUse> uses;
+  if (const Json* group = json.find("group")) {
+    for (std::size_t i = 0; i < group->as_array().size(); ++i)
+      uses.push_back({group->at(i).at("mesh").as_string(), fmt::format("{}/group/{}/mesh", place, i)});
+  }
+  if (const Json* scatter = json.find("scatter")) {
+    const auto count = static_cast<std::size_t>(scatter->at("count").as_int());
+    uses.push_back({scatter->at("mesh").as_string(), place + "/scatter/mesh", count});
+    uses.push_back({scatter->at("over").as_string(), place + "/scatter/over"});
+  }
+  return uses;
+}
+
+// Groups and scatters may use only meshes that stand before them, which keeps them free of cycles.
 // `parts` counts what each mesh comes to; a group of groups of groups must not outgrow memory.
-void check_group(const Json& json, const std::map<std::string, Json>& known,
-                 std::map<std::string, std::size_t>& parts, const std::string& source,
-                 const std::string& place) {
-  std::size_t& count = parts[json.at("name").as_string()];
-  count = 1;
-  const Json* group = json.find("group");
-  if (!group) return;
-  for (std::size_t i = 0; i < group->as_array().size(); ++i) {
-    const std::string& name = group->at(i).at("mesh").as_string();
-    if (!known.contains(name)) {
-      throw InputError(source, fmt::format("{}/group/{}/mesh", place, i),
-                       "a mesh that stands before this one", fmt::format("\"{}\"", name));
+void check_uses(const Json& json, const std::map<std::string, Json>& known,
+                std::map<std::string, std::size_t>& parts, const std::string& source,
+                const std::string& place) {
+  std::size_t count = 1;
+  for (const MeshUse& use : find_uses(json, place)) {
+    if (!known.contains(use.name)) {
+      throw InputError(source, use.place, "a mesh that stands before this one",
+                       fmt::format("\"{}\"", use.name));
     }
-    count += parts[name];
+    count += use.times * parts[use.name];
     if (count > kMaxGroupParts) {
-      throw InputError(source, place + "/group", fmt::format("at most {} parts in all", kMaxGroupParts),
-                       "more");
+      throw InputError(source, use.place, fmt::format("at most {} parts in all", kMaxGroupParts), "more");
     }
   }
+  parts[json.at("name").as_string()] = count;
 }
 
 template <typename Check>
@@ -168,7 +200,7 @@ void check_known(bool known, const std::string& source, const std::string& place
 void read_meshes(Scene& scene, const Json& json, const std::string& source) {
   std::map<std::string, std::size_t> parts;
   for_each_row(json.at("meshes"), "/meshes", [&](const Json& row, const std::string& place) {
-    check_group(row, scene.meshes, parts, source, place);
+    check_uses(row, scene.meshes, parts, source, place);
     if (!scene.meshes.emplace(row.at("name").as_string(), check_mesh(row, source, place)).second) {
       throw InputError(source, place + "/name", "each name once", describe_json(row.at("name")) + " again");
     }
@@ -208,7 +240,39 @@ void read_lights(Scene& scene, const Json& json, const std::string& source) {
   });
 }
 
+void read_sculptures(Scene& scene, const Json& json, const std::string& source) {
+  scene.stand = to_vec(json.at("pivot"));
+  for_each_row(json.at("sculptures"), "/sculptures", [&](const Json& row, const std::string& place) {
+    Sculpture sculpture{row.at("name").as_string(), row.at("mesh").as_string(),
+                        row.at("material").as_string(), to_vec(row.at("stand")),
+                        make_placement(row).turn_degrees};
+    check_known(scene.meshes.contains(sculpture.mesh), source, place + "/mesh", "mesh", row.at("mesh"));
+    const bool known = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                   [&](const auto& material) { return material.name == sculpture.material; });
+    check_known(known, source, place + "/material", "material", row.at("material"));
+    if (!scene.geometries.emplace(sculpture.name, sculpture.mesh).second) {
+      throw InputError(source, place + "/name", "each name once", describe_json(row.at("name")) + " again");
+    }
+    scene.sculptures.push_back(std::move(sculpture));
+  });
+}
+
+// A scene with an object is one for a study to fill; one with sculptures is full.
+void check_object_or_sculptures(const Json& json, const std::string& source) {
+  const bool object = json.find("object") != nullptr, sculptures = json.find("sculptures") != nullptr;
+  if (object == sculptures) {
+    throw InputError(source, "/", "a member \"object\" or \"sculptures\"", object ? "both" : "none");
+  }
+  if (sculptures != (json.find("pivot") != nullptr)) {
+    throw InputError(
+        source, "/",
+        sculptures ? "a member \"pivot\" with \"sculptures\"" : "no member \"pivot\" with \"object\"",
+        sculptures ? "none" : "one");
+  }
+}
+
 void read_object(Scene& scene, const Json& json, const std::string& source) {
+  if (json.find("sculptures")) return read_sculptures(scene, json, source);
   scene.stand = to_vec(json.at("object").at("stand"));
   for_each_row(
       json.at("object").at("geometries"), "/object/geometries",
@@ -289,6 +353,10 @@ Json mesh_content(const Scene& scene, const std::string& name) {
     if (const Json* found = spec.find(kind)) json.set(kind, *found);
   }
   if (spec.find("file")) json.set("content", digest_mesh(make_mesh(scene, name)));
+  if (const Json* scatter = spec.find("scatter")) {
+    for (const char* member : {"mesh", "over"})
+      json.set(std::string("scatter_") + member, mesh_content(scene, scatter->at(member).as_string()));
+  }
   if (const Json* group = spec.find("group")) {
     Json parts{Json::Array{}};
     for (const Json& part : group->as_array()) {
@@ -323,6 +391,7 @@ Placement make_placement(const Json& json) {
 Scene load_scene(const fs::path& path) {
   const std::string source = path.string();
   const Json json = load_json(path, kSceneSchema);
+  check_object_or_sculptures(json, source);
   Scene scene;
   scene.name = json.at("name").as_string();
   scene.path = path;
@@ -361,7 +430,14 @@ TriangleMesh make_object(const Scene& scene, const std::string& geometry) {
   TriangleMesh mesh = make_mesh(scene, mesh_of(scene, geometry));
   float lowest = mesh.positions.front().z;
   for (Vec3 p : mesh.positions) lowest = std::min(lowest, p.z);
-  return place_mesh(std::move(mesh), {scene.stand - Vec3{0, 0, lowest}});
+  Vec3 stand = scene.stand;
+  float turn_degrees = 0;
+  for (const Sculpture& sculpture : scene.sculptures) {
+    if (sculpture.name != geometry) continue;
+    stand = sculpture.stand;
+    turn_degrees = sculpture.turn_degrees;
+  }
+  return place_mesh(std::move(mesh), {stand - Vec3{0, 0, lowest}, turn_degrees});
 }
 
 Camera make_view_camera(const Scene& scene, int view) {
@@ -390,6 +466,16 @@ std::string digest_scene_part(const Scene& scene, const Object& object, bool wit
     row.set("mesh", mesh_content(scene, instance.mesh))
         .set("placement", placement_content(instance.placement));
     row.set("material", material_content(find_material(scene, instance.material)));
+    room.push(std::move(row));
+  }
+  for (const Sculpture& sculpture : scene.sculptures) {
+    Json row;
+    row.set("stand", to_json(sculpture.stand)).set("turn", double{sculpture.turn_degrees});
+    row.set("is_object", sculpture.name == object.geometry);
+    if (sculpture.name != object.geometry) {
+      row.set("mesh", mesh_content(scene, sculpture.mesh));
+      row.set("material", material_content(find_material(scene, sculpture.material)));
+    }
     room.push(std::move(row));
   }
   Json lights{Json::Array{}};

@@ -80,6 +80,16 @@ struct Camera {
   float vertical_fov_degrees = 40;
 };
 
+/// One of several objects that stand in a scene at once.
+struct Sculpture {
+  std::string name;  ///< stands in keys in place of a geometry
+  std::string mesh;
+  std::string material;
+  Vec3 stand;  ///< where its lowest point touches
+  float turn_degrees = 0;
+};
+
+/// A scene has one object, whose geometry and material a study chooses, or sculptures.
 struct Scene {
   std::string name;
   std::filesystem::path path;
@@ -88,8 +98,9 @@ struct Scene {
   std::map<std::string, Json> meshes;  ///< specifications; made when they are needed
   std::vector<Instance> instances;
   std::vector<Light> lights;
-  Vec3 stand;  ///< where the object's lowest point touches; the views turn about its vertical
-  std::map<std::string, std::string> geometries;  ///< geometry token -> mesh
+  Vec3 stand;  ///< where the object's lowest point touches, or the sculptures' pivot: views turn about it
+  std::map<std::string, std::string> geometries;  ///< geometry token, or a sculpture's name -> mesh
+  std::vector<Sculpture> sculptures;              ///< empty: one object
 };
 
 /// Reads and checks a scene; mesh files are looked for only when a mesh is made.
@@ -105,8 +116,8 @@ TriangleMesh make_mesh(const Scene& scene, const std::string& name);
 /// The mesh in the world. Normals turn with it.
 TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement);
 
-/// The object's mesh in the world, its lowest point on the stand. errors: InputError, also for an unknown
-/// geometry.
+/// The object's mesh, or a sculpture's, in the world, its lowest point on its stand. errors: InputError, also
+/// for an unknown geometry.
 TriangleMesh make_object(const Scene& scene, const std::string& geometry);
 
 /// The camera of a view: v0 looks along the scene's camera, v1 is turned 15 degrees about the vertical
@@ -114,8 +125,8 @@ TriangleMesh make_object(const Scene& scene, const std::string& geometry);
 Camera make_view_camera(const Scene& scene, int view);
 
 /// Digest of what a picture of this object depends on: camera, lights that are on, room, the object's mesh
-/// and its material. A material or geometry that is not shown has no part in it; mesh files count with their
-/// bytes. `with_material` false: what does not depend on the object's material.
+/// and its material. A material or geometry that is not shown has no part in it, the other sculptures have;
+/// mesh files count with their bytes. `with_material` false: what does not depend on the object's material.
 std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material = true);
 
 }  // namespace equilux

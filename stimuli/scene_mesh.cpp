@@ -52,6 +52,26 @@ TriangleMesh load_scene_mesh(const Scene& scene, const std::string& name, const 
   return mesh;
 }
 
+TriangleMesh make_extrude(const Json& spec) {
+  std::vector<std::array<float, 2>> outline;
+  for (const Json& point : spec.at("outline").as_array())
+    outline.push_back({to_float(point.at(0)), to_float(point.at(1))});
+  return equilux::make_extrude(std::move(outline), to_float(spec.at("height")));
+}
+
+TriangleMesh make_scatter(const Scene& scene, const Json& spec) {
+  ScatterParams params;
+  params.count = static_cast<int>(spec.at("count").as_int());
+  params.seed = static_cast<std::uint64_t>(spec.at("seed").as_int());
+  if (const Json* scale = spec.find("scale")) {
+    params.smallest_scale = to_float(scale->at(0));
+    params.largest_scale = to_float(scale->at(1));
+  }
+  if (const Json* lean = spec.find("lean_degrees")) params.lean_degrees = to_float(*lean);
+  return equilux::make_scatter(make_mesh(scene, spec.at("mesh").as_string()),
+                               make_mesh(scene, spec.at("over").as_string()), params);
+}
+
 TriangleMesh make_group(const Scene& scene, const Json& spec) {
   TriangleMesh mesh;
   for (const Json& part : spec.as_array()) {
@@ -78,6 +98,8 @@ TriangleMesh make_mesh(const Scene& scene, const std::string& name) {
   if (const Json* box = spec.find("box")) return make_box(to_vec(box->at("size")));
   if (const Json* lathe = spec.find("lathe")) return make_lathe(*lathe);
   if (const Json* sweep = spec.find("sweep")) return make_sweep(*sweep);
+  if (const Json* extrude = spec.find("extrude")) return make_extrude(*extrude);
+  if (const Json* scatter = spec.find("scatter")) return make_scatter(scene, *scatter);
   if (const Json* sphere = spec.find("sphere")) {
     return make_sphere(to_float(sphere->at("radius")), static_cast<int>(sphere->at("subdivisions").as_int()));
   }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "tests/stimuli/mesh_measures.h"
+#include "tests/support/statistics.h"
 
 namespace equilux {
 namespace {
@@ -177,9 +178,117 @@ TEST(BlobParameters, OfNoAmplitudeGiveASphere) {
   }
 }
 
+using Outline = std::vector<std::array<float, 2>>;
+
+// An L of arms 3 and 2, one wide: area 4, outline 10.
+const Outline kL{{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 2}, {0, 2}};
+
+Outline reversed(Outline outline) {
+  std::reverse(outline.begin(), outline.end());
+  return outline;
+}
+
+// The divergence theorem gives the same volume about every origin only if the surface closes.
+TEST(Extrude, OfAnOutlineThatIsNotConvexHasItsAreaAndVolumeAndCloses) {
+  for (const Outline& outline : {kL, reversed(kL)}) {
+    TriangleMesh mesh = make_extrude(outline, 5);
+    EXPECT_NEAR(area_of(mesh), 2 * 4 + 10 * 5, 1e-5);
+    EXPECT_NEAR(volume_of(mesh), 4 * 5, 1e-5);
+    for (Vec3& p : mesh.positions) p += {7, -3, 11};
+    EXPECT_NEAR(volume_of(mesh), 4 * 5, 1e-3);
+    expect_faces_along_normals(mesh, 0.01);
+  }
+}
+
+// Points on a straight edge and a spiral, in which few corners can be cut off at any time.
+TEST(Extrude, OfLongAndWoundOutlinesFillsThem) {
+  Outline straight{{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 1}, {2, 1}, {1, 1}, {0, 1}, {0, 0.5f}};
+  EXPECT_NEAR(volume_of(make_extrude(straight, 2)), 6, 1e-5);
+  Outline spiral;
+  for (int i = 0; i <= 200; ++i) {
+    const double angle = 0.08 * i, r = 1 + 0.1 * angle;
+    spiral.push_back({static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle))});
+  }
+  for (int i = 200; i >= 0; --i) {
+    const double angle = 0.08 * i, r = 1.3 + 0.1 * angle;
+    spiral.push_back({static_cast<float>(r * std::cos(angle)), static_cast<float>(r * std::sin(angle))});
+  }
+  ASSERT_TRUE(is_simple_outline(spiral));
+  double area = 0;
+  for (std::size_t i = 0; i < spiral.size(); ++i) {
+    const auto &a = spiral[i], &b = spiral[(i + 1) % spiral.size()];
+    area += (double{a[0]} * b[1] - double{b[0]} * a[1]) / 2;
+  }
+  EXPECT_NEAR(volume_of(make_extrude(spiral, 1)), std::abs(area), 1e-4);
+}
+
+TEST(Extrude, RoundsASideOfSmallBendsOnly) {
+  Outline circle;
+  for (int i = 0; i < 24; ++i)
+    circle.push_back({std::cos(static_cast<float>(i) * 0.2618f), std::sin(static_cast<float>(i) * 0.2618f)});
+  const TriangleMesh round = make_extrude(circle, 1);
+  for (std::size_t i = 0; i < 4 * circle.size(); ++i)
+    EXPECT_NEAR(dot(round.normals[i], normalize({round.positions[i].x, round.positions[i].y, 0})), 1, 1e-4);
+  const TriangleMesh square = make_extrude({{0, 0}, {1, 0}, {1, 1}, {0, 1}}, 1);
+  EXPECT_NEAR(dot(square.normals[1], square.normals[4]), 0, 1e-6);
+}
+
+TEST(Outline, ThatMeetsItselfIsNotSimple) {
+  EXPECT_TRUE(is_simple_outline(kL));
+  EXPECT_FALSE(is_simple_outline({{0, 0}, {1, 1}, {1, 0}, {0, 1}})) << "crosses";
+  EXPECT_FALSE(is_simple_outline({{0, 0}, {2, 0}, {2, 1}, {1, 0}, {0, 1}})) << "touches an edge";
+  EXPECT_FALSE(is_simple_outline({{0, 0}, {1, 0}, {1, 0}, {0, 1}})) << "a point twice";
+  EXPECT_FALSE(is_simple_outline({{0, 0}, {1, 0}, {2, 0}})) << "no area";
+  EXPECT_FALSE(is_simple_outline({{0, 0}, {1, 0}}));
+}
+
+// 20,000 copies over a sphere, in 8 x 8 cells of equal area, level .001, seed 3.
+TEST(Scatter, IsEvenByAreaOverItsMesh) {
+  const TriangleMesh point = make_quad({1e-5f, 0, 0}, {0, 1e-5f, 0});
+  const TriangleMesh mesh = make_scatter(point, make_sphere(1, 5), {20000, 3, 1, 1, 0});
+  ASSERT_EQ(mesh.triangles.size(), 40000u);
+  std::vector<double> counts(64), expected(64, 20000.0 / 64);
+  for (std::size_t i = 0; i < mesh.positions.size(); i += 4) {
+    const Vec3 p = mesh.positions[i];
+    const int row = std::clamp(static_cast<int>((p.z + 1) * 4), 0, 7);
+    const int column = std::clamp(static_cast<int>((std::atan2(p.y, p.x) / kPi + 1) * 4), 0, 7);
+    ++counts[static_cast<std::size_t>(row * 8 + column)];
+  }
+  EXPECT_GT(test::test_chi_squared(counts, expected).p, 0.001);
+}
+
+TEST(Scatter, StandsItsCopiesOnTheSurfaceWithinTheirLeanAndScale) {
+  const TriangleMesh post = make_box({0.001f, 0.001f, 0.1f});
+  const TriangleMesh mesh = make_scatter(post, make_sphere(1, 5), {300, 1, 0.5f, 2, 30});
+  double shortest = 1, longest = 0, most = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); i += 8) {
+    const Vec3 foot = (mesh.positions[i] + mesh.positions[i + 2]) / 2,
+               head = (mesh.positions[i + 4] + mesh.positions[i + 6]) / 2;
+    EXPECT_NEAR(length(foot), 1, 1e-2);
+    shortest = std::min<double>(shortest, length(head - foot));
+    longest = std::max<double>(longest, length(head - foot));
+    most = std::max(most, angle_between(to_double(head - foot), to_double(foot)));
+  }
+  EXPECT_GE(shortest, 0.05 - 1e-4);
+  EXPECT_LT(shortest, 0.06);
+  EXPECT_LE(longest, 0.2 + 1e-4);
+  EXPECT_GT(longest, 0.19);
+  EXPECT_LT(most, 30 + 2.5) << "faces of this sphere lean by up to 2.5 degrees themselves";
+  EXPECT_GT(most, 25);
+}
+
+TEST(Scatter, KeepsItsFirstCopiesWhenMoreAreAsked) {
+  const TriangleMesh part = make_box({1, 1, 1}), over = make_quad({9, 0, 0}, {0, 9, 0});
+  const TriangleMesh few = make_scatter(part, over, {5, 2, 1, 3, 90}),
+                     many = make_scatter(part, over, {9, 2, 1, 3, 90});
+  EXPECT_TRUE(std::equal(few.positions.begin(), few.positions.end(), many.positions.begin()));
+  EXPECT_NE(make_scatter(part, over, {5, 3, 1, 3, 90}).positions, few.positions);
+}
+
 TEST(Generators, RefuseParametersThatTheSchemaNeverLetsThrough) {
   EXPECT_THROW(make_sphere(1, 9), CheckFailure);
   EXPECT_THROW(make_lathe({{1, 0}}, 8), CheckFailure);
+  EXPECT_THROW(make_extrude({{0, 0}, {1, 1}, {1, 0}, {0, 1}}, 1), CheckFailure);
   EXPECT_THROW(make_sweep({{0, 0, 0}, {1, 0, 0}}, 0.1f, 2, 1), CheckFailure);
 }
 

@@ -66,6 +66,18 @@ TEST_F(SceneDigest, ChangesWithEverythingThatIsShown) {
   expect_other("/lights/0/spot/target/0", 0.1);
 }
 
+TEST_F(SceneDigest, ChangesWithWhatAScatterIsMadeOf) {
+  const Json scattered = with(scene_, "/meshes/4",
+                              parse_json(R"({"name": "pair", "scatter":
+      {"mesh": "post", "over": "ball", "count": 3, "seed": 1}})",
+                                         "scatter"));
+  const std::string whole = digest(scattered);
+  EXPECT_NE(digest(with(scattered, "/meshes/4/scatter/count", 4)), whole);
+  EXPECT_NE(digest(with(scattered, "/meshes/4/scatter/seed", 2)), whole);
+  EXPECT_NE(digest(with(scattered, "/meshes/3/lathe/segments", 9)), whole);
+  EXPECT_NE(digest(with(scattered, "/meshes/0/sphere/radius", 0.41)), whole);
+}
+
 TEST_F(SceneDigest, DiffersForGeometryAndMaterial) {
   EXPECT_NE(digest(scene_, {"G1", "MS", Illumination::kIndirect}), digest(scene_));
   EXPECT_NE(digest(scene_, {"G0", "LG", Illumination::kIndirect}), digest(scene_));

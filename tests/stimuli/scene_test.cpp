@@ -2,6 +2,7 @@
 #include "stimuli/scene.h"
 
 #include <gtest/gtest.h>
+#include <set>
 
 #include "base/error.h"
 #include "tests/stimuli/small_scene.h"
@@ -88,8 +89,10 @@ TEST_F(SceneFile, IsReadInFull) {
 }
 
 TEST_F(SceneFile, WithoutAnyOneOfItsMembersNamesIt) {
-  for (const auto& [name, value] : scene_.as_object())
+  for (const auto& [name, value] : scene_.as_object()) {
+    if (name == "object") continue;  // has a test of its own
     EXPECT_EQ(refusal_of(without(scene_, "/" + name)), "/: expected a member \"" + name + "\", got none");
+  }
 }
 
 TEST_F(SceneFile, WithUnknownNamesPointsAtThem) {
@@ -215,6 +218,87 @@ TEST_F(SceneFile, WithALatheProfileThatTurnsBackOnItselfIsRefused) {
                    {profile + "/1", parsed("[0.1, 0.0]"), profile + "/1", "not the point before"},
                    {profile + "/1", parsed("[0.100000000001, 0]"), profile + "/1", "not the point before"},
                    {profile + "/0", parsed("[-0.1, 0]"), profile + "/0", "a radius of at least 0"}});
+}
+
+TEST_F(SceneFile, WithAnOutlineThatMeetsItselfIsRefused) {
+  const Json bow =
+      parsed(R"({"name": "bow", "extrude": {"outline": [[0,0],[1,1],[1,0],[0,1]], "height": 1}})");
+  expect_refusals({{"/meshes/0", bow, "/meshes/0/extrude/outline", "never meets itself"}});
+}
+
+TEST_F(SceneFile, WithAScatterOfALaterMeshOrOfTooManyIsRefused) {
+  const auto scatter = [](const char* mesh, const char* over, int count) {
+    return Json()
+        .set("name", "pair")
+        .set("scatter", Json().set("mesh", mesh).set("over", over).set("count", count).set("seed", 1));
+  };
+  expect_refusals({{"/meshes/4", scatter("scan", "ball", 5), "/meshes/4/scatter/mesh", "stands before"},
+                   {"/meshes/4", scatter("ball", "pair", 5), "/meshes/4/scatter/over", "stands before"},
+                   {"/meshes/4", scatter("ball", "post", 10000), "/meshes/4/scatter/mesh", "at most 10000"}});
+  load_scene_of(folder_, with(scene_, "/meshes/4", scatter("ball", "post", 9000)));
+}
+
+class SceneOfSculptures : public SceneFile {
+ protected:
+  const Json sculptures_ =
+      with(with(without(scene_, "/object"), "/pivot", parsed("[0, 0.5, 0]")), "/sculptures", parsed(R"([
+        {"name": "Ball", "mesh": "ball", "material": "MS", "stand": [-1, 0, 0.5]},
+        {"name": "Blob", "mesh": "blob", "material": "LG", "stand": [1, 0, 0.25], "turn_degrees": 90}])"));
+};
+
+TEST_F(SceneOfSculptures, StandsEachOnItsOwnPlaceAndTurnsViewsAboutThePivot) {
+  const Scene scene = load_scene_of(folder_, sculptures_);
+  ASSERT_EQ(scene.sculptures.size(), 2u);
+  EXPECT_EQ(scene.stand, (Vec3{0, 0.5f, 0}));
+  for (const Sculpture& sculpture : scene.sculptures) {
+    float lowest = 1e9f, middle = 0;
+    const TriangleMesh mesh = make_object(scene, sculpture.name);
+    for (Vec3 p : mesh.positions) {
+      lowest = std::min(lowest, p.z);
+      middle += p.x / static_cast<float>(mesh.positions.size());
+    }
+    EXPECT_NEAR(lowest, sculpture.stand.z, 1e-6) << sculpture.name;
+    EXPECT_NEAR(middle, sculpture.stand.x, 0.1) << sculpture.name;
+  }
+  EXPECT_NEAR(length(make_view_camera(scene, 1).position - scene.stand),
+              length(scene.camera.position - scene.stand), 1e-5);
+}
+
+TEST_F(SceneOfSculptures, IsRefusedWithBothKindsOrNeitherOrUnknownNames) {
+  const auto refusal = [&](const Json& json) { return refusal_of(json); };
+  EXPECT_THAT(refusal(with(sculptures_, "/object", scene_.at("object"))), HasSubstr("got both"));
+  EXPECT_THAT(refusal(without(scene_, "/object")), HasSubstr("\"object\" or \"sculptures\", got none"));
+  EXPECT_THAT(refusal(without(sculptures_, "/pivot")), HasSubstr("\"pivot\""));
+  EXPECT_THAT(refusal(with(scene_, "/pivot", parsed("[0,0,0]"))), HasSubstr("no member \"pivot\""));
+  for (const auto& [place, value] : {std::pair{"/sculptures/1/mesh", "ghost"},
+                                     {"/sculptures/1/material", "gold"},
+                                     {"/sculptures/1/name", "Ball"}})
+    EXPECT_THAT(refusal(with(sculptures_, place, value)), StartsWith(place));
+}
+
+// What is seen of the others belongs to the picture of one.
+TEST_F(SceneOfSculptures, HasDigestsOfOneObjectThatKnowTheOthers) {
+  const auto digest = [&](const Json& json, const char* name, const char* material) {
+    return digest_scene_part(load_scene_of(folder_, json), {name, material, Illumination::kIndirect});
+  };
+  const std::string ball = digest(sculptures_, "Ball", "MS");
+  EXPECT_NE(digest(with(sculptures_, "/sculptures/1/material", "MS"), "Ball", "MS"), ball);
+  EXPECT_NE(digest(with(sculptures_, "/sculptures/1/turn_degrees", 80), "Ball", "MS"), ball);
+  EXPECT_NE(digest(with(sculptures_, "/sculptures/0/stand/0", -1.1), "Ball", "MS"), ball);
+  EXPECT_NE(digest(sculptures_, "Blob", "MS"), ball);
+  EXPECT_EQ(digest(with(sculptures_, "/sculptures/0/material", "LG"), "Ball", "MS"), ball)
+      << "the study says which material the object has";
+}
+
+TEST_F(SceneFile, OfTheGalleryHasSixSculpturesOfDifferentGeometryAndMaterial) {
+  const Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/gallery.json");
+  std::set<std::string> meshes, materials;
+  for (const Sculpture& sculpture : scene.sculptures) {
+    meshes.insert(sculpture.mesh);
+    materials.insert(sculpture.material);
+  }
+  EXPECT_EQ(meshes.size(), 6u);
+  EXPECT_EQ(materials.size(), 6u);
 }
 
 TEST_F(SceneFile, OfAnotherKindVersionOrSizeIsRefused) {
