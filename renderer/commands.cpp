@@ -3,10 +3,27 @@
 
 #include <fmt/format.h>
 
+#include "protocols/condition.h"
+
 namespace equilux {
 
 void add_threads(CLI::App& subcommand, CommandLine& line) {
   subcommand.add_option("--threads", line.threads, "Threads; 0 for all cores")->check(CLI::Range(0, 4096));
+}
+
+CLI::Validator is_vpls() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return is_vpl_count(text) ? std::string()
+                                  : fmt::format("expected a count such as 1k, 100k or 5M, got {}", text);
+      },
+      "COUNT", "vpls");
+}
+
+CLI::Validator is_clamp() {
+  std::vector<std::string> levels;
+  for (int level = 0; level < kClampLevelCount; ++level) levels.push_back(format_clamp(level));
+  return CLI::IsMember(levels);
 }
 
 CLI::Validator is_seed() {

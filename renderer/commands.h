@@ -18,9 +18,14 @@ void add_tonemap(CLI::App& app, CommandLine& line);
 void add_prove(CLI::App& app, CommandLine& line);
 void add_stress(CLI::App& app, CommandLine& line);
 void add_export(CLI::App& app, CommandLine& line);
+void add_sheet(CLI::App& app, CommandLine& line);
 
 /// The option --threads of a subcommand.
 void add_threads(CLI::App& subcommand, CommandLine& line);
+
+/// A number of VPLs such as 100k, a clamp level such as C4.
+CLI::Validator is_vpls();
+CLI::Validator is_clamp();
 
 /// Whole numbers that every file can hold; CLI11 alone would wrap or cut others.
 CLI::Validator is_seed();

@@ -36,16 +36,7 @@ ClampChoice split_clamp(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
-CLI::Validator is_vpls() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        return is_vpl_count(text) ? std::string()
-                                  : fmt::format("expected a count such as 1k, 100k or 5M, got {}", text);
-      },
-      "COUNT", "vpls");
-}
-
-CLI::Validator is_clamp() {
+CLI::Validator is_object_clamp() {
   return CLI::Validator(
       [](const std::string& text) {
         const ClampChoice choice = split_clamp(text);
@@ -183,7 +174,7 @@ void add_image(CLI::App& app, CommandLine& line) {
   const std::vector<CLI::Option*> of_vpls = {
       image->add_option("--vpls", options->vpls, "Number of VPLs (100k)")->check(is_vpls()),
       image->add_option("--clamp", options->clamps, "Clamp level (C0, none), or OBJECT=LEVEL for one object")
-          ->check(is_clamp()),
+          ->check(is_object_clamp()),
       image->add_flag("--normalise", options->params.normalise,
                       "Scale each object's clamped light to the mean luminance of its unclamped light"),
       image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")

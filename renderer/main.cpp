@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   add_prove(app, line);
   add_stress(app, line);
   add_export(app, line);
+  add_sheet(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -105,14 +105,6 @@ void shade_objects(const PictureScene& scene, const PictureParams& params, Pictu
     picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), vpls, progress);
 }
 
-LdrImage show_noise(const HdrImage& image, const HdrImage& standard_error, const ToneRecord& tone) {
-  LdrImage shown(image.width, image.height);
-  const std::vector<double> noise = measure_pixel_noise(image, standard_error, tone);
-  for (std::size_t i = 0; i < shown.values.size(); ++i)
-    shown.values[i] = static_cast<std::uint8_t>(std::min(255.0, 51 * noise[i / 3]));
-  return shown;
-}
-
 ReferenceParams make_params(const PictureParams& params, const std::string& stream_name) {
   ReferenceParams reference;
   if (params.noise_target) {
@@ -176,7 +168,8 @@ Picture make_picture(const PictureParams& params) {
   const HdrImage coverage = make_coverage(scene.primary);
   const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);
   picture.display = apply_tone_curve(picture.image, tone);
-  picture.noise_display = show_noise(picture.image, standard_error, tone);
+  picture.noise_display =
+      show_noise(measure_pixel_noise(picture.image, standard_error, tone), params.width, params.height);
   picture.noise = measure_display_noise(picture.image, standard_error, coverage, tone);
   return picture;
 }

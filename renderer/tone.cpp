@@ -34,10 +34,6 @@ std::vector<double> collect_luminance(const HdrImage& image, const HdrImage& cov
   return values;
 }
 
-double encode_srgb(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-}
-
 double mean_luminance(const HdrImage& image) {
   double sum = 0;
   for (std::size_t i = 0; i < image.pixel_count(); ++i) sum += luminance_of(image.pixel(i));
@@ -45,6 +41,14 @@ double mean_luminance(const HdrImage& image) {
 }
 
 }  // namespace
+
+double encode_srgb(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double decode_srgb(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
 
 double nearest_rank(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -122,6 +126,13 @@ std::vector<double> measure_pixel_noise(const HdrImage& reference, const HdrImag
     for (std::size_t c = 0; c < 3; ++c) noise[i] = std::max(noise[i], (above[c] - below[c]) / 2);
   }
   return noise;
+}
+
+LdrImage show_noise(const std::vector<double>& noise, int width, int height) {
+  LdrImage shown(width, height);
+  for (std::size_t i = 0; i < shown.values.size(); ++i)
+    shown.values[i] = static_cast<std::uint8_t>(std::min(255.0, 51 * noise[i / 3]));
+  return shown;
 }
 
 DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,

@@ -22,6 +22,10 @@ HdrImage composite(const std::vector<const HdrImage*>& layers);
 ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, Exposure exposure,
                            double key);
 
+/// The sRGB transfer function and its inverse. units: both sides 0 to 1
+double encode_srgb(double linear);
+double decode_srgb(double encoded);
+
 /// The displayed value of a linear colour before rounding. shape: 3. units: steps of 255
 std::array<double, 3> eval_display(const ToneRecord& tone, const float* rgb);
 
@@ -39,6 +43,9 @@ struct DisplayNoise {
 /// standard error, the largest channel. shape: height x width. units: steps of 255
 std::vector<double> measure_pixel_noise(const HdrImage& reference, const HdrImage& standard_error,
                                         const ToneRecord& tone);
+
+/// Pixels of noise as greys, 51 levels a step: white is five steps and more.
+LdrImage show_noise(const std::vector<double>& noise, int width, int height);
 
 /// Its means and 99th percentile over pixels of coverage > 0 and of coverage 0.
 DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
