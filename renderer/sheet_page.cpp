@@ -126,7 +126,7 @@ PageGrid make_page_grid(const Sheet& sheet, int cell_width, int cell_height, con
   grid.size = std::clamp(cell_width / 17, 13, 30);
   grid.margin = grid.size;
   place_columns(sheet, measure, grid);
-  grid.top = grid.margin + title_size(grid.size) + 7 * line_height(grid.size) / 2;
+  grid.top = grid.margin + title_size(grid.size) + 3 * line_height(grid.size);
   const int columns = static_cast<int>(sheet.columns.size()), rows = static_cast<int>(sheet.rows.size());
   grid.width = grid.left + (columns - 1) * grid.pitch_x + std::max(cell_width, grid.pitch_x) + grid.margin;
   const int caption = measure(scale.caption, grid.size, false);
