@@ -111,6 +111,19 @@ void add_lights(const Scene& scene, Illumination illumination, DiffuseScene& dif
   }
 }
 
+// Each has a mesh of its own, in the world already.
+void add_other_sculptures(const Scene& scene, const std::string& object, Indices& materials, Indices& meshes,
+                          DiffuseScene& diffuse) {
+  for (const Sculpture& sculpture : scene.sculptures) {
+    if (sculpture.name == object) continue;
+    const auto [material, new_material] = materials.find(sculpture.material);
+    if (new_material) diffuse.materials.push_back(find_material(scene, sculpture.material));
+    const std::size_t mesh = meshes.find("sculpture " + sculpture.name).first;
+    diffuse.meshes.push_back({"sculpture " + sculpture.name, make_object(scene, sculpture.name)});
+    diffuse.surfaces.push_back({mesh, material, {}});
+  }
+}
+
 }  // namespace
 
 DiffuseScene make_diffuse_scene(const Scene& scene, const ExportParams& params) {
@@ -124,6 +137,7 @@ DiffuseScene make_diffuse_scene(const Scene& scene, const ExportParams& params) 
   diffuse.surfaces.push_back({0, 0, {}});
   Indices materials(0), meshes(1);
   materials.find(params.object.material);
+  add_other_sculptures(scene, params.object.geometry, materials, meshes, diffuse);
   for (const Instance& instance : scene.instances) {
     const auto [material, new_material] = materials.find(instance.material);
     if (new_material) diffuse.materials.push_back(find_material(scene, instance.material));

@@ -121,8 +121,8 @@ TEST(Sweep, GoesThroughItsPointsAndLooksOutwards) {
 class Blob : public testing::TestWithParam<BlobParams> {};
 INSTANTIATE_TEST_SUITE_P(OfTheStudy, Blob,
                          testing::Values(BlobParams{0.44f, 0.07f, 4, 11, 6},
-                                         BlobParams{0.44f, 0.12f, 5, 12, 6},
-                                         BlobParams{0.44f, 0.17f, 6, 23, 6}));
+                                         BlobParams{0.44f, 0.12f, 5, 11, 6},
+                                         BlobParams{0.44f, 0.15f, 7, 11, 6}));
 
 TEST_P(Blob, IsClosedAndStarShaped) {
   const TriangleMesh mesh = make_blob(GetParam());
