@@ -11,6 +11,8 @@ namespace equilux {
 namespace {
 namespace algorithms = OIIO::ImageBufAlgo;
 
+constexpr int kThreads = 1;  // a page is small
+
 void require(bool done, const OIIO::ImageBuf& image) {
   if (!done) throw std::runtime_error("OpenImageIO: " + image.geterror());
 }
@@ -34,7 +36,7 @@ int measure_text(const std::string& text, int size, bool bold) {
 HdrImage shrink_image(const HdrImage& image, int width, int height) {
   HdrImage shrunk(std::min(width, image.width), std::min(height, image.height), image.channels);
   OIIO::ImageBuf to = view_image(shrunk);
-  require(algorithms::resize(to, view_image(image), "triangle"), to);
+  require(algorithms::resize(to, view_image(image), "triangle", 0, {}, kThreads), to);
   return shrunk;
 }
 
@@ -46,7 +48,8 @@ void draw_text(const PageText& text, OIIO::ImageBuf& page) {
   const std::array<float, 3> colour{grey, grey, grey};
   require(
       algorithms::render_text(page, text.x, text.baseline, text.text, text.size, sheet_font_path(text.bold),
-                              colour, kAlign[static_cast<std::size_t>(text.align)]),
+                              colour, kAlign[static_cast<std::size_t>(text.align)],
+                              algorithms::TextAlignY::Baseline, 0, {}, kThreads),
       page);
 }
 
@@ -55,7 +58,8 @@ LdrImage draw_page(const Page& page) {
   std::fill(drawn.values.begin(), drawn.values.end(), std::uint8_t{255});
   OIIO::ImageBuf to = view_picture(drawn);
   for (const PagePicture& picture : page.pictures)
-    require(algorithms::paste(to, picture.x, picture.y, 0, 0, view_picture(picture.picture)), to);
+    require(algorithms::paste(to, picture.x, picture.y, 0, 0, view_picture(picture.picture), {}, kThreads),
+            to);
   for (const PageText& text : page.texts) draw_text(text, to);
   return drawn;
 }

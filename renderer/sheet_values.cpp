@@ -22,6 +22,10 @@ int place_within(int middle_twice, int size, int limit) {
   return std::clamp((middle_twice - size) / 2, 0, limit - size);
 }
 
+std::size_t find_pixel(int x, int y, int width) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 double displayed_luminance(const std::uint8_t* rgb) {
   return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
@@ -32,7 +36,7 @@ Crop find_object_box(const HdrImage& coverage) {
   int left = coverage.width, top = coverage.height, right = 0, bottom = 0;
   for (int y = 0; y < coverage.height; ++y) {
     for (int x = 0; x < coverage.width; ++x) {
-      if (!(coverage.values[static_cast<std::size_t>(y * coverage.width + x)] > 0)) continue;
+      if (!(coverage.values[find_pixel(x, y, coverage.width)] > 0)) continue;
       left = std::min(left, x);
       top = std::min(top, y);
       right = std::max(right, x + 1);
@@ -64,9 +68,11 @@ HdrImage cut_image(const HdrImage& image, const Crop& crop) {
                crop.y + crop.height <= image.height,
            crop.x, crop.y, crop.width, crop.height);
   HdrImage cut(crop.width, crop.height, image.channels);
+  const std::size_t row_length =
+      static_cast<std::size_t>(crop.width) * static_cast<std::size_t>(image.channels);
   for (int y = 0; y < crop.height; ++y) {
-    const float* from = image.pixel(static_cast<std::size_t>((crop.y + y) * image.width + crop.x));
-    std::copy(from, from + crop.width * image.channels, cut.pixel(static_cast<std::size_t>(y * crop.width)));
+    const float* from = image.pixel(find_pixel(crop.x, crop.y + y, image.width));
+    std::copy_n(from, row_length, cut.pixel(find_pixel(0, y, crop.width)));
   }
   return cut;
 }
