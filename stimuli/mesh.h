@@ -17,12 +17,29 @@ struct TriangleMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// What had to be left out of a file.
+/// What was mended in a mesh from a file, and what was found and kept.
 struct MeshRepairs {
-  std::size_t degenerate_triangles = 0;  ///< of zero area or with a vertex twice
+  /// Vertices of the file that stand where another does: joined, so that normals are smooth across them. STL
+  /// has no vertices but corners, and some formats' readers share none (FBX, Collada): there all corners
+  /// count, three a triangle.
+  std::size_t duplicate_vertices = 0;
+  std::size_t degenerate_triangles = 0;   ///< of zero area or with a vertex twice: left out
+  std::size_t duplicate_triangles = 0;    ///< of three vertices that have one already, in any order: left out
+  std::size_t non_manifold_edges = 0;     ///< of more than two triangles: kept
+  std::size_t non_manifold_vertices = 0;  ///< where several fans of triangles meet: split, one for each fan
+  std::size_t open_edges = 0;             ///< of one triangle: kept
 };
 
-/// Reads any format that assimp knows; all its parts as one mesh, with smooth normals.
+/// Joins vertices of one position, leaves out what MeshRepairs says and splits vertices between fans. Normals
+/// other than zero are kept; where there are none they become the mean of the fan's faces, weighted by
+/// their angle there, over all that are within 80 degrees of the face: sharper edges stay sharp. Adds to
+/// `repairs`. shape: normals alike in length, or none.
+/// source: Thuermer and Wuethrich, "Computing vertex normals from polygonal facets", JGT 3(1), 1998
+/// (weights).
+TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs);
+
+/// Reads any format that assimp knows; all its parts as one mesh, repaired, with smooth normals. An STL's
+/// normals are its faces' and not kept.
 /// errors: InputError for a file that is missing, no mesh, without triangles, or with coordinates that are
 /// not finite.
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs = nullptr);

@@ -3,7 +3,8 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fstream>
-#include <limits>
+#include <set>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -14,56 +15,49 @@ namespace {
 
 Vec3 to_vec(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-bool is_degenerate(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  const Vec3 a = mesh.positions[triangle[0]];
-  const Vec3 b = mesh.positions[triangle[1]];
-  const Vec3 c = mesh.positions[triangle[2]];
-  return !spans_area(b - a, c - a);
-}
+Vec3 to_normal(const aiVector3D& v) { return is_finite(to_vec(v)) ? normalize(to_vec(v)) : Vec3{}; }
 
-// A vertex of dropped triangles alone must not count in the mesh's box, nor as its lowest point.
-TriangleMesh without_unused_vertices(const TriangleMesh& mesh) {
-  constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> new_index(mesh.positions.size(), kUnused);
-  TriangleMesh kept;
-  for (auto triangle : mesh.triangles) {
-    for (std::uint32_t& vertex : triangle) {
-      if (new_index[vertex] == kUnused) {
-        new_index[vertex] = static_cast<std::uint32_t>(kept.positions.size());
-        kept.positions.push_back(mesh.positions[vertex]);
-        kept.normals.push_back(mesh.normals[vertex]);
-      }
-      vertex = new_index[vertex];
-    }
-    kept.triangles.push_back(triangle);
-  }
-  return kept;
-}
-
-TriangleMesh to_mesh(const aiMesh& part, MeshRepairs& repairs) {
+TriangleMesh to_mesh(const aiMesh& part, bool with_normals, MeshRepairs& repairs) {
   TriangleMesh mesh;
+  with_normals = with_normals && part.HasNormals();
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
     mesh.positions.push_back(to_vec(part.mVertices[i]));
-    mesh.normals.push_back(part.HasNormals() ? normalize(to_vec(part.mNormals[i])) : Vec3{});
+    mesh.normals.push_back(with_normals ? to_normal(part.mNormals[i]) : Vec3{});
   }
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
     const aiFace& face = part.mFaces[i];
-    if (face.mNumIndices != 3) {
-      ++repairs.degenerate_triangles;
-      continue;
-    }
-    const std::array<std::uint32_t, 3> triangle{face.mIndices[0], face.mIndices[1], face.mIndices[2]};
-    if (is_degenerate(mesh, triangle)) {
-      ++repairs.degenerate_triangles;
+    if (face.mNumIndices == 3) {
+      mesh.triangles.push_back({face.mIndices[0], face.mIndices[1], face.mIndices[2]});
     } else {
-      mesh.triangles.push_back(triangle);
+      ++repairs.degenerate_triangles;
     }
   }
-  return repairs.degenerate_triangles > 0 ? without_unused_vertices(mesh) : mesh;
+  return mesh;
 }
 
-// What assimp's later steps take on trust: joining vertices merges a NaN with whatever it meets, and reads
-// beyond the end for an index too large.
+bool has_extension(const std::filesystem::path& path, std::string_view extension) {
+  std::string own = path.extension().string();
+  for (char& c : own) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return own == extension;
+}
+
+// assimp gives each corner of an OBJ a vertex of its own, so the file's are counted in its text.
+std::size_t count_duplicates_of_obj(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  std::set<std::array<float, 3>> known;
+  std::size_t vertices = 0;
+  for (std::string line; std::getline(stream, line);) {
+    std::istringstream words(line);
+    std::string kind;
+    std::array<float, 3> p{};
+    if (!(words >> kind) || kind != "v" || !(words >> p[0] >> p[1] >> p[2])) continue;
+    ++vertices;
+    known.insert(p);
+  }
+  return vertices - known.size();
+}
+
+// What assimp's later steps and ours take on trust.
 void check_part(const aiMesh& part, const std::string& source) {
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
     if (!is_finite(to_vec(part.mVertices[i]))) {
@@ -100,18 +94,20 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
   check_ply_header(path);
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 80.0f);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_part(*scene->mMeshes[i], path.string());
   if (scene) {
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
-                                         aiProcess_GenSmoothNormals | aiProcess_PreTransformVertices |
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
                                          aiProcess_SortByPType);
   }
   if (!scene) throw InputError(path.string(), "", "a mesh that assimp reads", importer.GetErrorString());
-  TriangleMesh mesh;
+  TriangleMesh parts;
   MeshRepairs found;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) append_mesh(mesh, to_mesh(*scene->mMeshes[i], found));
+  const bool with_normals = !has_extension(path, ".stl");
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i)
+    append_mesh(parts, to_mesh(*scene->mMeshes[i], with_normals, found));
+  const TriangleMesh mesh = repair_mesh(parts, found);
+  if (has_extension(path, ".obj")) found.duplicate_vertices = count_duplicates_of_obj(path);
   if (mesh.triangles.empty())
     throw InputError(path.string(), "", "at least one triangle of non-zero area", "none");
   if (repairs) *repairs = found;

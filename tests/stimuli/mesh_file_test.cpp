@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "stimuli/mesh.h"
+#include "stimuli/generators.h"
 #include "tests/stimuli/mesh_measures.h"
 #include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
@@ -131,6 +131,173 @@ TEST(MeshFiles, ThatAreMissingOrAFolderAreNamed) {
   const TempFolder folder;
   expect_refused(folder / "missing.obj");
   expect_refused(folder.path());
+}
+
+// A cube of side 2 about the origin in twelve triangles, given corner by corner.
+std::vector<std::array<Vec3, 3>> cube_soup() {
+  const auto corner = [](int i) {
+    return Vec3{i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f};
+  };
+  std::vector<std::array<Vec3, 3>> soup;
+  for (const auto& [a, b, c, d] :
+       {std::array{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+    soup.push_back({corner(a), corner(b), corner(c)});
+    soup.push_back({corner(a), corner(c), corner(d)});
+  }
+  return soup;
+}
+
+std::string soup_as_ply(const std::vector<std::array<Vec3, 3>>& soup) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      3 * soup.size(), soup.size());
+  for (const auto& triangle : soup) {
+    for (Vec3 p : triangle) text += fmt::format("{} {} {}\n", p.x, p.y, p.z);
+  }
+  for (std::size_t i = 0; i < soup.size(); ++i)
+    text += fmt::format("3 {} {} {}\n", 3 * i, 3 * i + 1, 3 * i + 2);
+  return text;
+}
+
+std::string soup_as_obj(const std::vector<std::array<Vec3, 3>>& soup) {
+  std::string vertices, faces;
+  for (std::size_t i = 0; i < soup.size(); ++i) {
+    for (Vec3 p : soup[i]) vertices += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+    faces += fmt::format("f {} {} {}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3);
+  }
+  return vertices + faces;
+}
+
+std::string soup_as_stl(const std::vector<std::array<Vec3, 3>>& soup) {
+  std::string text = "solid soup\n";
+  for (const auto& triangle : soup) {
+    const Vec3 n = normalize(cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
+    text += fmt::format("facet normal {} {} {}\nouter loop\n", n.x, n.y, n.z);
+    for (Vec3 p : triangle) text += fmt::format("vertex {} {} {}\n", p.x, p.y, p.z);
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid soup\n";
+}
+
+TriangleMesh load_text_mesh(const std::string& name, const std::string& text, MeshRepairs& repairs) {
+  const TempFolder folder;
+  return load_mesh(folder.write(name, text), &repairs);
+}
+
+void expect_repairs(const MeshRepairs& found, const MeshRepairs& expected) {
+  EXPECT_EQ(found.duplicate_vertices, expected.duplicate_vertices);
+  EXPECT_EQ(found.degenerate_triangles, expected.degenerate_triangles);
+  EXPECT_EQ(found.duplicate_triangles, expected.duplicate_triangles);
+  EXPECT_EQ(found.non_manifold_edges, expected.non_manifold_edges);
+  EXPECT_EQ(found.non_manifold_vertices, expected.non_manifold_vertices);
+  EXPECT_EQ(found.open_edges, expected.open_edges);
+}
+
+TEST(MeshRepairs, OfASoupJoinItsCornersAndLeaveItClosedWithSharpEdges) {
+  const auto soup = cube_soup();
+  for (const auto& [name, text] :
+       {std::pair{"a.ply", soup_as_ply(soup)}, {"a.obj", soup_as_obj(soup)}, {"a.stl", soup_as_stl(soup)}}) {
+    SCOPED_TRACE(name);
+    MeshRepairs repairs;
+    const TriangleMesh mesh = load_text_mesh(name, text, repairs);
+    expect_repairs(repairs, {.duplicate_vertices = 36 - 8});
+    EXPECT_EQ(mesh.positions.size(), 24u) << "eight corners with three normals each";
+    EXPECT_NEAR(volume_of(mesh), 8, 1e-6);
+    EXPECT_LT(largest_normal_error(mesh), 1e-3) << "that of the faces";
+  }
+}
+
+// Faces of a finely divided sphere bend by little: the soup of it must shine like the sphere itself.
+TEST(MeshRepairs, MakeNormalsSmoothAcrossJoinedVertices) {
+  const TriangleMesh sphere = make_sphere(1, 3);
+  std::vector<std::array<Vec3, 3>> soup;
+  for (const auto& [a, b, c] : sphere.triangles)
+    soup.push_back({sphere.positions[a], sphere.positions[b], sphere.positions[c]});
+  for (const auto& [name, text] :
+       {std::pair{"a.ply", soup_as_ply(soup)}, {"a.obj", soup_as_obj(soup)}, {"a.stl", soup_as_stl(soup)}}) {
+    SCOPED_TRACE(name);
+    MeshRepairs repairs;
+    const TriangleMesh mesh = load_text_mesh(name, text, repairs);
+    expect_repairs(repairs, {.duplicate_vertices = 3 * soup.size() - sphere.positions.size()});
+    ASSERT_EQ(mesh.positions.size(), sphere.positions.size());
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+      EXPECT_LT(angle_between(to_double(mesh.positions[i]), to_double(mesh.normals[i])), .3);
+  }
+}
+
+TEST(MeshRepairs, OfTheThreeFormatsFindNothingInASoundMesh) {
+  for (const auto& [name, text] : {std::pair{"a.obj", kObj}, {"a.ply", kPly}}) {
+    MeshRepairs repairs;
+    load_text_mesh(name, text, repairs);
+    expect_repairs(repairs, {});
+  }
+  MeshRepairs repairs;
+  load_text_mesh("a.stl", kStl, repairs);
+  expect_repairs(repairs, {.duplicate_vertices = 8});
+}
+
+// Two pyramids, flat enough for smooth normals, that meet at their tops: joined there, they would cancel.
+TEST(MeshRepairs, SplitABowTieWhereItsTwoFansMeet) {
+  MeshRepairs repairs;
+  const TriangleMesh mesh =
+      load_text_mesh("a.obj",
+                     "v 0 0 0\nv 2 0 1\nv -1 2 1\nv -1 -2 1\nv 2 0 -1\nv -1 2 -1\nv -1 -2 -1\n"
+                     "f 1 3 2\nf 1 4 3\nf 1 2 4\nf 2 3 4\nf 1 5 6\nf 1 6 7\nf 1 7 5\nf 5 7 6\n",
+                     repairs);
+  expect_repairs(repairs, {.non_manifold_vertices = 1});
+  EXPECT_EQ(mesh.triangles.size(), 8u);
+  std::vector<float> tops;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    EXPECT_NEAR(length(mesh.normals[i]), 1, 1e-6);
+    if (mesh.positions[i] == Vec3{}) tops.push_back(mesh.normals[i].z);
+  }
+  EXPECT_THAT(tops, testing::UnorderedElementsAre(testing::FloatNear(-1, .01f), testing::FloatNear(1, .01f)));
+}
+
+TEST(MeshRepairs, OfTwoTetrahedraAtOneVertexCountIt) {
+  MeshRepairs repairs;
+  const TriangleMesh mesh = load_text_mesh("a.obj",
+                                           std::string(kObj) +
+                                               "v -1 0 0\nv 0 -1 0\nv 0 0 -1\n"
+                                               "f 1 5 6\nf 1 7 5\nf 1 6 7\nf 5 7 6\n",
+                                           repairs);
+  expect_repairs(repairs, {.non_manifold_vertices = 1});
+  EXPECT_EQ(mesh.triangles.size(), 8u);
+}
+
+TEST(MeshRepairs, OfThreeTrianglesOnAnEdgeKeepThem) {
+  MeshRepairs repairs;
+  const TriangleMesh mesh = load_text_mesh(
+      "a.obj", "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n", repairs);
+  expect_repairs(repairs, {.non_manifold_edges = 1, .open_edges = 6});
+  EXPECT_EQ(mesh.triangles.size(), 3u);
+  for (Vec3 normal : mesh.normals) EXPECT_NEAR(length(normal), 1, 1e-6);
+}
+
+TEST(MeshRepairs, LeaveOutATriangleGivenTwiceInAnyOrder) {
+  MeshRepairs repairs;
+  const TriangleMesh mesh = load_text_mesh("a.obj", std::string(kObj) + "f 3 2 1\nf 1 2 3\n", repairs);
+  expect_repairs(repairs, {.duplicate_triangles = 2});
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_NEAR(volume_of(mesh), 1.0 / 6, 1e-6);
+}
+
+TEST(MeshRepairs, CountTheEdgesOfHoles) {
+  auto soup = cube_soup();
+  soup.pop_back();
+  MeshRepairs repairs;
+  load_text_mesh("a.ply", soup_as_ply(soup), repairs);
+  expect_repairs(repairs, {.duplicate_vertices = 33 - 8, .open_edges = 3});
+}
+
+TEST(MeshRepairs, KeepTheNormalsOfTheFileWhereItHasThem) {
+  MeshRepairs repairs;
+  const TriangleMesh mesh = load_text_mesh(
+      "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0.6 0.8\nvn 0 0 0\nf 1//1 2//1 3//2\n", repairs);
+  ASSERT_EQ(mesh.normals.size(), 3u);
+  EXPECT_LT(length(mesh.normals[0] - Vec3{0, .6f, .8f}), 1e-6f);
+  EXPECT_EQ(mesh.normals[2], (Vec3{0, 0, 1})) << "the face's, for one of no length";
 }
 
 TEST(AppendMesh, KeepsAreaAndMakesFlatNormalsWhereOneHasNone) {
