@@ -273,8 +273,8 @@ Bumpiness measure_bumpiness(const TriangleMesh& mesh) {
   return bumpiness;
 }
 
-double measure_volume(const TriangleMesh& mesh, Vec3 from) {
-  return find_volume_centroid(mesh, to_double(from)).weight;
+double measure_volume(const TriangleMesh& mesh) {
+  return find_volume_centroid(mesh, find_area_centroid(mesh).mean()).weight;
 }
 
 }  // namespace equilux

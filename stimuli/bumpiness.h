@@ -30,7 +30,8 @@ struct Bumpiness {
 /// source: spectrum by Gauss-Legendre quadrature, 128 x 256 directions.
 Bumpiness measure_bumpiness(const TriangleMesh& mesh);
 
-/// Volume by the divergence theorem from a point; negative where faces look inwards. units: m^3
-double measure_volume(const TriangleMesh& mesh, Vec3 from);
+/// Volume by the divergence theorem, holes closed as for Bumpiness; negative where faces look inwards.
+/// units: m^3
+double measure_volume(const TriangleMesh& mesh);
 
 }  // namespace equilux

@@ -39,7 +39,7 @@ struct MeshRepairs {
 TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs);
 
 /// Reads any format that assimp knows; all its parts as one mesh, repaired, with smooth normals. An STL's
-/// normals are its faces' and not kept.
+/// normals are its faces' and not kept. Adds to `repairs`.
 /// errors: InputError for a file that is missing, no mesh, without triangles, or with coordinates that are
 /// not finite.
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs = nullptr);

@@ -102,15 +102,17 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
   }
   if (!scene) throw InputError(path.string(), "", "a mesh that assimp reads", importer.GetErrorString());
   TriangleMesh parts;
-  MeshRepairs found;
+  MeshRepairs ignored;
+  MeshRepairs& found = repairs ? *repairs : ignored;
+  const std::size_t known_duplicates = found.duplicate_vertices;
   const bool with_normals = !has_extension(path, ".stl");
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)
     append_mesh(parts, to_mesh(*scene->mMeshes[i], with_normals, found));
   const TriangleMesh mesh = repair_mesh(parts, found);
-  if (has_extension(path, ".obj")) found.duplicate_vertices = count_duplicates_of_obj(path);
+  if (has_extension(path, ".obj"))
+    found.duplicate_vertices = known_duplicates + count_duplicates_of_obj(path);
   if (mesh.triangles.empty())
     throw InputError(path.string(), "", "at least one triangle of non-zero area", "none");
-  if (repairs) *repairs = found;
   return mesh;
 }
 

@@ -426,8 +426,8 @@ TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement) {
   return mesh;
 }
 
-TriangleMesh make_object(const Scene& scene, const std::string& geometry) {
-  TriangleMesh mesh = make_mesh(scene, mesh_of(scene, geometry));
+TriangleMesh make_object(const Scene& scene, const std::string& geometry, MeshRepairs* repairs) {
+  TriangleMesh mesh = make_mesh(scene, mesh_of(scene, geometry), repairs);
   float lowest = mesh.positions.front().z;
   for (Vec3 p : mesh.positions) lowest = std::min(lowest, p.z);
   Vec3 stand = scene.stand;

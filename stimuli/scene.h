@@ -110,8 +110,12 @@ Scene load_scene(const std::filesystem::path& path);
 /// errors: InputError naming the scene and what it offers.
 const MaterialSpec& find_material(const Scene& scene, const std::string& name);
 
-/// Makes a mesh of the scene by its generator, or reads its file. errors: InputError
-TriangleMesh make_mesh(const Scene& scene, const std::string& name);
+/// Makes a mesh of the scene by its generator, or reads its file and adds to `repairs`. errors: InputError
+TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs = nullptr);
+
+/// What is missing for a mesh of the scene, in words that say which command brings it if the scene knows;
+/// empty if all is there.
+std::string find_missing_file(const Scene& scene, const std::string& mesh);
 
 /// The mesh in the world. Normals turn with it.
 TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement);
@@ -119,6 +123,9 @@ TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement);
 /// The object's mesh, or a sculpture's, in the world, its lowest point on its stand. errors: InputError, also
 /// for an unknown geometry.
 TriangleMesh make_object(const Scene& scene, const std::string& geometry);
+/// The object's mesh in the world, its lowest point on the stand. errors: InputError, also for an unknown
+/// geometry.
+TriangleMesh make_object(const Scene& scene, const std::string& geometry, MeshRepairs* repairs = nullptr);
 
 /// The camera of a view: v0 looks along the scene's camera, v1 is turned 15 degrees about the vertical
 /// through the stand.

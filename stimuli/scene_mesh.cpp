@@ -6,6 +6,7 @@
 
 namespace equilux {
 namespace {
+namespace fs = std::filesystem;
 
 float to_float(const Json& json) { return static_cast<float>(json.as_double()); }
 
@@ -31,6 +32,16 @@ TriangleMesh make_blob(const Json& spec) {
                              static_cast<int>(spec.at("subdivisions").as_int())});
 }
 
+fs::path make_mesh_path(const Scene& scene, const Json& spec) {
+  return scene.path.parent_path() / spec.at("path").as_string();
+}
+
+// The command that brings a file, after a semicolon; empty if the scene names none.
+std::string fetch_words(const Json& spec) {
+  const Json* fetch = spec.find("fetch");
+  return fetch ? "; " + fetch->as_string() : "";
+}
+
 // Scales a mesh so that its farthest vertex is `radius` from the middle of its box, which goes to the origin.
 void fit_to_radius(TriangleMesh& mesh, float radius) {
   Vec3 low = mesh.positions.front(), high = low;
@@ -44,8 +55,9 @@ void fit_to_radius(TriangleMesh& mesh, float radius) {
   for (Vec3& p : mesh.positions) p = (p - middle) * (radius / farthest);
 }
 
-TriangleMesh load_scene_mesh(const Scene& scene, const std::string& name, const Json& spec) {
-  TriangleMesh mesh = load_mesh(find_mesh_file(scene, name));
+TriangleMesh load_scene_mesh(const Scene& scene, const std::string& name, const Json& spec,
+                             MeshRepairs* repairs) {
+  TriangleMesh mesh = load_mesh(find_mesh_file(scene, name), repairs);
   const Json* up = spec.find("up");
   if (up && up->as_string() == "y") mesh = place_mesh(std::move(mesh), {{}, 0, 90, 1});
   if (const Json* radius = spec.find("radius")) fit_to_radius(mesh, to_float(*radius));
@@ -73,9 +85,11 @@ TriangleMesh make_scatter(const Scene& scene, const Json& spec) {
 }
 
 TriangleMesh make_group(const Scene& scene, const Json& spec) {
+TriangleMesh make_group(const Scene& scene, const Json& spec, MeshRepairs* repairs) {
   TriangleMesh mesh;
   for (const Json& part : spec.as_array()) {
-    append_mesh(mesh, place_mesh(make_mesh(scene, part.at("mesh").as_string()), make_placement(part)));
+    append_mesh(mesh,
+                place_mesh(make_mesh(scene, part.at("mesh").as_string(), repairs), make_placement(part)));
   }
   return mesh;
 }
@@ -84,15 +98,27 @@ TriangleMesh make_group(const Scene& scene, const Json& spec) {
 
 std::filesystem::path find_mesh_file(const Scene& scene, const std::string& mesh) {
   const Json& spec = scene.meshes.at(mesh).at("file");
-  auto path = scene.path.parent_path() / spec.at("path").as_string();
+  auto path = make_mesh_path(scene, spec);
   if (path_exists(path)) return path;
-  const Json* fetch = spec.find("fetch");
   throw InputError(scene.path.string(), fmt::format("mesh \"{}\"", mesh),
-                   fmt::format("the file {}", path.string()),
-                   "none" + (fetch ? "; " + fetch->as_string() : std::string()));
+                   fmt::format("the file {}", path.string()), "none" + fetch_words(spec));
 }
 
-TriangleMesh make_mesh(const Scene& scene, const std::string& name) {
+std::string find_missing_file(const Scene& scene, const std::string& mesh) {
+  const Json& spec = scene.meshes.at(mesh);
+  if (const Json* file = spec.find("file")) {
+    const auto path = make_mesh_path(scene, *file);
+    return path_exists(path) ? "" : fmt::format("no file {}{}", path.string(), fetch_words(*file));
+  }
+  const Json* group = spec.find("group");
+  for (std::size_t i = 0; group && i < group->as_array().size(); ++i) {
+    const std::string missing = find_missing_file(scene, group->at(i).at("mesh").as_string());
+    if (!missing.empty()) return missing;
+  }
+  return "";
+}
+
+TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs) {
   const Json& spec = scene.meshes.at(name);
   if (const Json* quad = spec.find("quad")) return make_quad(to_vec(quad->at("u")), to_vec(quad->at("v")));
   if (const Json* box = spec.find("box")) return make_box(to_vec(box->at("size")));
@@ -104,8 +130,8 @@ TriangleMesh make_mesh(const Scene& scene, const std::string& name) {
     return make_sphere(to_float(sphere->at("radius")), static_cast<int>(sphere->at("subdivisions").as_int()));
   }
   if (const Json* blob = spec.find("blob")) return make_blob(*blob);
-  if (const Json* file = spec.find("file")) return load_scene_mesh(scene, name, *file);
-  return make_group(scene, spec.at("group"));
+  if (const Json* file = spec.find("file")) return load_scene_mesh(scene, name, *file, repairs);
+  return make_group(scene, spec.at("group"), repairs);
 }
 
 }  // namespace equilux
