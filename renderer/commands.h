@@ -17,6 +17,7 @@ void add_image(CLI::App& app, CommandLine& line);
 void add_tonemap(CLI::App& app, CommandLine& line);
 void add_prove(CLI::App& app, CommandLine& line);
 void add_stress(CLI::App& app, CommandLine& line);
+void add_describe(CLI::App& app, CommandLine& line);
 void add_export(CLI::App& app, CommandLine& line);
 void add_sheet(CLI::App& app, CommandLine& line);
 

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   add_tonemap(app, line);
   add_prove(app, line);
   add_stress(app, line);
+  add_describe(app, line);
   add_export(app, line);
   add_sheet(app, line);
   try {
