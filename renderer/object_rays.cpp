@@ -55,9 +55,9 @@ bool is_lit_by_spot(const World& world, const AreaPoint& point, const SpotLight&
 bool is_lit_by_rectangle(const World& world, const AreaPoint& point, const RectangleLight& light,
                          RandomStream& random) {
   constexpr int kSide = 4;
-  static_assert(kSide * kSide == kLightSamples);
+  static_assert(kSide * kSide == kRaysPerPoint);
   if (light.radiance_w_per_m2_sr == Vec3{}) return false;
-  for (int i = 0; i < kLightSamples; ++i) {
+  for (int i = 0; i < kRaysPerPoint; ++i) {
     const float u = (static_cast<float>(i / kSide) + random.next_float()) / kSide,
                 v = (static_cast<float>(i % kSide) + random.next_float()) / kSide;
     const Vec3 p = light.corner + light.u * u + light.v * v;
@@ -69,7 +69,7 @@ bool is_lit_by_rectangle(const World& world, const AreaPoint& point, const Recta
 }
 
 bool is_lit_by_environment(const World& world, const AreaPoint& point, RandomStream& random) {
-  for (int i = 0; i < kLightSamples; ++i) {
+  for (int i = 0; i < kRaysPerPoint; ++i) {
     const float z = 1 - 2 * random.next_float(), phi = 2 * kPi * random.next_float();
     const float r = std::sqrt(std::max(0.0f, 1 - z * z));
     const Vec3 d{r * std::cos(phi), r * std::sin(phi), z};
@@ -91,8 +91,8 @@ void count_lit(const World& world, const AreaPoint& point, RandomStream random,
 std::int64_t count_self_hits(const World& world, const AreaPoint& point, RandomStream random) {
   const Frame frame(point.ng);
   std::int64_t hits = 0;
-  for (int i = 0; i < kLightSamples; ++i) {
-    const float u1 = (static_cast<float>(i) + random.next_float()) / kLightSamples, u2 = random.next_float();
+  for (int i = 0; i < kRaysPerPoint; ++i) {
+    const float u1 = (static_cast<float>(i) + random.next_float()) / kRaysPerPoint, u2 = random.next_float();
     hits += meets_object(
         world.intersect(point.p + point.ng * point.epsilon, frame.to_world(sample_cosine(u1, u2))));
   }
@@ -165,7 +165,7 @@ Share find_self_occlusion(const World& world, const std::vector<AreaPoint>& poin
   const auto hits = sum_counts(points.size(), 1, [&](std::size_t i, std::vector<std::int64_t>& count) {
     count[0] += count_self_hits(world, points[i], RandomStream(key, i));
   });
-  return {hits[0], std::ssize(points) * kLightSamples};
+  return {hits[0], std::ssize(points) * kRaysPerPoint};
 }
 
 std::vector<MirrorRay> trace_mirror_rays(const World& world, const Primary& primary) {

@@ -14,8 +14,8 @@ struct AreaPoint {
   float epsilon = 0;  ///< as of a SurfacePoint. units: m
 };
 
-/// Points even by area, one in each of `count` shares of it. A closed mesh that is inside out counts as
-/// turned back.
+/// Points even by area, one in each of `count` shares of it. A mesh that is inside out, holes closed as for
+/// Bumpiness, counts as turned back.
 std::vector<AreaPoint> sample_area(const TriangleMesh& mesh, int count, std::uint64_t seed);
 
 /// How many of the points each light reaches that is on. The lights stand in this order: spots, rectangles,
@@ -29,17 +29,17 @@ struct DirectLight {
 };
 
 /// Proves by shadow rays which lights reach the object: a spot by the ray to its place, a rectangle by rays
-/// to kLightSamples points of it, the environment by as many even directions; one that arrives will do. A
+/// to kRaysPerPoint points of it, the environment by as many even directions; one that arrives will do. A
 /// point is looked at from whichever side the light is on: a sheet has two, a closed mesh blocks its inside
 /// itself.
-inline constexpr int kLightSamples = 16;
+inline constexpr int kRaysPerPoint = 16;
 DirectLight find_direct_light(const World& world, const std::vector<AreaPoint>& points, std::uint64_t seed);
 
 struct Share {
   std::int64_t count = 0, total = 0;
 };
 
-/// Share of rays, spread by cosine about the points' normals, that meet the object first: kLightSamples each.
+/// Share of rays, spread by cosine about the points' normals, that meet the object first: kRaysPerPoint each.
 Share find_self_occlusion(const World& world, const std::vector<AreaPoint>& points, std::uint64_t seed);
 
 /// The mirror direction of a position at which the camera sees the object, about its shading normal.
@@ -51,7 +51,7 @@ struct MirrorRay {
 
 std::vector<MirrorRay> trace_mirror_rays(const World& world, const Primary& primary);
 
-/// Share of those that meet the object.
+/// Share of those that meet the object; what goes into the surface does not.
 Share find_self_mirroring(const std::vector<MirrorRay>& rays);
 
 }  // namespace equilux

@@ -80,16 +80,26 @@ void count_edges(const std::vector<Face>& faces, MeshRepairs& repairs) {
   }
 }
 
-/// One corner of a face, and which of its point's fans it belongs to.
+/// One corner of a face, and which of its point's fans it belongs to. units: radians
 struct Corner {
   std::size_t face, slot;
+  float angle = 0;
   std::size_t fan = 0;
 };
 
-std::vector<std::vector<Corner>> gather_corners(const std::vector<Face>& faces, std::size_t points) {
-  std::vector<std::vector<Corner>> corners(points);
+float corner_angle(const std::vector<Vec3>& points, const Face& face, std::size_t slot) {
+  const Vec3 p = points[face.points[slot]];
+  const Vec3 u = normalize(points[face.points[(slot + 1) % 3]] - p);
+  const Vec3 v = normalize(points[face.points[(slot + 2) % 3]] - p);
+  return std::atan2(length(cross(u, v)), dot(u, v));
+}
+
+std::vector<std::vector<Corner>> gather_corners(const std::vector<Face>& faces,
+                                                const std::vector<Vec3>& points) {
+  std::vector<std::vector<Corner>> corners(points.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    for (std::size_t slot = 0; slot < 3; ++slot) corners[faces[i].points[slot]].push_back({i, slot});
+    for (std::size_t slot = 0; slot < 3; ++slot)
+      corners[faces[i].points[slot]].push_back({i, slot, corner_angle(points, faces[i], slot)});
   }
   return corners;
 }
@@ -117,25 +127,15 @@ std::size_t assign_fans(const std::vector<Face>& faces, std::vector<Corner>& cor
   return fans.size();
 }
 
-float corner_angle(const std::vector<Vec3>& points, const Face& face, std::size_t slot) {
-  const Vec3 p = points[face.points[slot]];
-  const Vec3 u = normalize(points[face.points[(slot + 1) % 3]] - p);
-  const Vec3 v = normalize(points[face.points[(slot + 2) % 3]] - p);
-  return std::atan2(length(cross(u, v)), dot(u, v));
-}
-
 // All its terms are on one side of the face, so they cannot cancel.
-Vec3 smooth_normal(const Welded& welded, const std::vector<Face>& faces, const std::vector<Corner>& corners,
-                   const Corner& corner) {
+Vec3 smooth_normal(const std::vector<Face>& faces, const std::vector<Corner>& corners, const Corner& corner) {
   const Vec3 own = faces[corner.face].normal;
   Vec3 sum;
   for (const Corner& other : corners) {
-    const Face& face = faces[other.face];
-    if (other.fan == corner.fan && dot(own, face.normal) >= kCosCrease)
-      sum += face.normal * corner_angle(welded.points, face, other.slot);
+    const Vec3 normal = faces[other.face].normal;
+    if (other.fan == corner.fan && dot(own, normal) >= kCosCrease) sum += normal * other.angle;
   }
-  const Vec3 normal = normalize(sum);
-  return normal == Vec3{} ? own : normal;
+  return sum == Vec3{} ? own : normalize(sum);
 }
 
 // Vertices of one point: as many as it has fans and normals.
@@ -145,7 +145,7 @@ void add_point(TriangleMesh& mesh, const Welded& welded, const std::vector<Face>
   for (const Corner& corner : corners) {
     const Face& face = faces[corner.face];
     Vec3 normal = file_normals.empty() ? Vec3{} : file_normals[face.vertices[corner.slot]];
-    if (normal == Vec3{}) normal = smooth_normal(welded, faces, corners, corner);
+    if (normal == Vec3{}) normal = smooth_normal(faces, corners, corner);
     const auto next = static_cast<std::uint32_t>(mesh.positions.size());
     const auto [found, added] = known.try_emplace({corner.fan, {normal.x, normal.y, normal.z}}, next);
     if (added) {
@@ -165,7 +165,7 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs) {
   count_edges(faces, repairs);
   TriangleMesh repaired;
   repaired.triangles.resize(faces.size());
-  for (std::vector<Corner>& corners : gather_corners(faces, welded.points.size())) {
+  for (std::vector<Corner>& corners : gather_corners(faces, welded.points)) {
     repairs.non_manifold_vertices += assign_fans(faces, corners) > 1;
     add_point(repaired, welded, faces, corners, mesh.normals);
   }

@@ -47,6 +47,18 @@ TEST(MakeObject, FromAMissingFileSaysHowToGetIt) {
   }
 }
 
+TEST(FindMissingFile, LooksIntoGroupsAndIsEmptyWhereAllIsThere) {
+  const TempFolder folder;
+  const Json json = with(make_small_scene(), "/meshes/5/file/fetch", "bring it");
+  const Json group = parse_json(R"({"name": "two", "group": [{"mesh": "ball"}, {"mesh": "scan"}]})", "test");
+  const Scene scene = load_scene_of(folder, with(json, "/meshes/6", group));
+  EXPECT_EQ(find_missing_file(scene, "pair"), "");
+  for (const char* mesh : {"scan", "two"})
+    EXPECT_THAT(find_missing_file(scene, mesh), HasSubstr("scan.obj; bring it")) << mesh;
+  folder.write("scan.obj", "");
+  EXPECT_EQ(find_missing_file(scene, "two"), "");
+}
+
 TEST(MakeObject, FromAFileIsFittedTurnedUprightAndStood) {
   const TempFolder folder;
   folder.write("scan.obj", "v 0 0 0\nv 2 0 0\nv 0 8 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
