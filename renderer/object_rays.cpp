@@ -44,7 +44,7 @@ Vec3 origin_towards(const AreaPoint& point, Vec3 direction) {
   return point.p + point.ng * (dot(point.ng, direction) < 0 ? -point.epsilon : point.epsilon);
 }
 
-bool meets_object(const std::optional<SurfacePoint>& hit) { return hit && hit->is_object; }
+bool meets_object(const std::optional<SurfacePoint>& hit) { return hit && hit->is_object(); }
 
 bool is_lit_by_spot(const World& world, const AreaPoint& point, const SpotLight& spot) {
   const Vec3 d = spot.position - point.p;

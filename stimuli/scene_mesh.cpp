@@ -84,7 +84,6 @@ TriangleMesh make_scatter(const Scene& scene, const Json& spec) {
                                make_mesh(scene, spec.at("over").as_string()), params);
 }
 
-TriangleMesh make_group(const Scene& scene, const Json& spec) {
 TriangleMesh make_group(const Scene& scene, const Json& spec, MeshRepairs* repairs) {
   TriangleMesh mesh;
   for (const Json& part : spec.as_array()) {
@@ -110,12 +109,15 @@ std::string find_missing_file(const Scene& scene, const std::string& mesh) {
     const auto path = make_mesh_path(scene, *file);
     return path_exists(path) ? "" : fmt::format("no file {}{}", path.string(), fetch_words(*file));
   }
-  const Json* group = spec.find("group");
-  for (std::size_t i = 0; group && i < group->as_array().size(); ++i) {
-    const std::string missing = find_missing_file(scene, group->at(i).at("mesh").as_string());
-    if (!missing.empty()) return missing;
+  std::string missing;
+  if (const Json* scatter = spec.find("scatter")) {
+    missing = find_missing_file(scene, scatter->at("mesh").as_string());
+    if (missing.empty()) missing = find_missing_file(scene, scatter->at("over").as_string());
   }
-  return "";
+  const Json* group = spec.find("group");
+  for (std::size_t i = 0; missing.empty() && group && i < group->as_array().size(); ++i)
+    missing = find_missing_file(scene, group->at(i).at("mesh").as_string());
+  return missing;
 }
 
 TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs) {
