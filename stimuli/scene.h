@@ -122,9 +122,6 @@ TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement);
 
 /// The object's mesh, or a sculpture's, in the world, its lowest point on its stand. errors: InputError, also
 /// for an unknown geometry.
-TriangleMesh make_object(const Scene& scene, const std::string& geometry);
-/// The object's mesh in the world, its lowest point on the stand. errors: InputError, also for an unknown
-/// geometry.
 TriangleMesh make_object(const Scene& scene, const std::string& geometry, MeshRepairs* repairs = nullptr);
 
 /// The camera of a view: v0 looks along the scene's camera, v1 is turned 15 degrees about the vertical
