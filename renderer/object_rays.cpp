@@ -58,8 +58,9 @@ bool is_lit_by_rectangle(const World& world, const AreaPoint& point, const Recta
   static_assert(kSide * kSide == kRaysPerPoint);
   if (light.radiance_w_per_m2_sr == Vec3{}) return false;
   for (int i = 0; i < kRaysPerPoint; ++i) {
-    const float u = (static_cast<float>(i / kSide) + random.next_float()) / kSide,
-                v = (static_cast<float>(i % kSide) + random.next_float()) / kSide;
+    const int row = i / kSide, column = i % kSide;
+    const float u = (static_cast<float>(row) + random.next_float()) / kSide,
+                v = (static_cast<float>(column) + random.next_float()) / kSide;
     const Vec3 p = light.corner + light.u * u + light.v * v;
     const Vec3 end = p + rectangle_normal(light) * rectangle_epsilon(light);
     if (pdf_rectangle(light, point.p, p) > 0 && !world.is_occluded(origin_towards(point, p - point.p), end))

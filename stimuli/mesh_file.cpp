@@ -108,7 +108,7 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
   const bool with_normals = !has_extension(path, ".stl");
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)
     append_mesh(parts, to_mesh(*scene->mMeshes[i], with_normals, found));
-  const TriangleMesh mesh = repair_mesh(parts, found);
+  TriangleMesh mesh = repair_mesh(parts, found);
   if (has_extension(path, ".obj"))
     found.duplicate_vertices = known_duplicates + count_duplicates_of_obj(path);
   if (mesh.triangles.empty())

@@ -255,6 +255,16 @@ TEST(MeshRepairs, SplitABowTieWhereItsTwoFansMeet) {
   EXPECT_THAT(tops, testing::UnorderedElementsAre(testing::FloatNear(-1, .01f), testing::FloatNear(1, .01f)));
 }
 
+// Two sheets that meet in one vertex at sixty degrees: by the angle alone they would be smooth there.
+TEST(MeshRepairs, SmoothNoNormalsFromFanToFan) {
+  MeshRepairs repairs;
+  const TriangleMesh mesh = load_text_mesh(
+      "a.obj", "v 0 0 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1.73205\nv 1 -1 1.73205\nf 1 2 3\nf 1 4 5\n", repairs);
+  expect_repairs(repairs, {.non_manifold_vertices = 1, .open_edges = 6});
+  EXPECT_EQ(mesh.positions.size(), 6u);
+  EXPECT_LT(largest_normal_error(mesh), 1e-3);
+}
+
 TEST(MeshRepairs, OfTwoTetrahedraAtOneVertexCountIt) {
   MeshRepairs repairs;
   const TriangleMesh mesh = load_text_mesh("a.obj",
