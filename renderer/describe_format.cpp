@@ -139,7 +139,8 @@ std::string format_clamps(const Description& description) {
   std::string text =
       "Clamp levels: r_c, the distance in m within which a level cuts what a material reflects at its peak, "
       "at "
-      "normal\nincidence; towards silhouettes it grows as one over the root of the cosine.\n\n";
+      "normal\nincidence; that of a glossy one grows towards silhouettes as one over the root of the "
+      "cosine.\n\n";
   text += format_clamp_head(description);
   for (int level = 0; level < kClampLevelCount; ++level) text += format_clamp_row(description, level);
   return text + format_bite(description.bite);
