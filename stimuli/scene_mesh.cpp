@@ -113,10 +113,6 @@ std::string find_missing_file(const Scene& scene, const std::string& mesh) {
   if (const Json* scatter = spec.find("scatter")) {
     missing = find_missing_file(scene, scatter->at("mesh").as_string());
     if (missing.empty()) missing = find_missing_file(scene, scatter->at("over").as_string());
-  const Json* group = spec.find("group");
-  for (std::size_t i = 0; group && i < group->as_array().size(); ++i) {
-    std::string missing = find_missing_file(scene, group->at(i).at("mesh").as_string());
-    if (!missing.empty()) return missing;
   }
   const Json* group = spec.find("group");
   for (std::size_t i = 0; missing.empty() && group && i < group->as_array().size(); ++i)

@@ -133,6 +133,15 @@ TEST(Export, HasTheTrianglesOfTheWorldThatIsRendered) {
   }
 }
 
+TEST(Export, OfOneSculptureHasTheOthersInTheRoom) {
+  const Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/gallery.json");
+  ExportParams params = params_of("LG", Illumination::kIndirect);
+  params.object.geometry = "Knot";
+  const auto diffuse = make_diffuse_scene(scene, params);
+  EXPECT_EQ(count_triangles(diffuse), make_world(scene, "Knot", Illumination::kIndirect).triangle_count());
+  EXPECT_EQ(diffuse.surfaces.size(), scene.instances.size() + scene.sculptures.size());
+}
+
 TEST(Export, SaysWhichGlossyPartsItLeavesOut) {
   const Scene scene = make_scene(make_text());
   const auto grey = make_diffuse_scene(scene, params_of("grey", Illumination::kIndirect));
