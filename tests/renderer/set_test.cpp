@@ -196,6 +196,26 @@ TEST(Set, AGlobThatNamesNothingIsAnInputError) {
   EXPECT_THROW(render(study, "set", "G9-*"), InputError);
 }
 
+// The object is one sculpture; what is outside its coverage, the others among it, is path traced and the
+// same.
+TEST(Set, OfAGalleryTestsOneSculptureWithTheOthersInTheBackground) {
+  const test::TinyStudy study("gallery");
+  const test::Folder folder;
+  const SetSummary summary = make_set({study.path(), folder.path(), "*ind*v0"});
+  EXPECT_EQ(summary.pictures, 2u * 11 + 2);
+  const HdrImage coverage = load_exr(folder / "layers/Knot-MS-ind-ref-v0.coverage.exr").image;
+  const LdrImage reference = load_png(folder / "pictures/Knot-MS-ind-ref-v0.png"),
+                 clamped = load_png(folder / "pictures/Knot-MS-ind-100-C8-v0.png");
+  std::size_t covered = 0;
+  for (std::size_t i = 0; i < coverage.values.size(); ++i) {
+    covered += coverage.values[i] > 0;
+    for (std::size_t c = 0; c < 3 && coverage.values[i] == 0; ++c)
+      ASSERT_EQ(clamped.values[3 * i + c], reference.values[3 * i + c]);
+  }
+  EXPECT_GT(covered, 4u);
+  EXPECT_LT(covered, 40u) << "one of six";
+}
+
 TEST(Set, AGeometryWhoseFileIsMissingSaysWhichAndHow) {
   // A copy of the study and its scene, beside which no mesh was ever fetched.
   const fs::path source = EQUILUX_SOURCE_DIR;

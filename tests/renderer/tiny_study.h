@@ -1,4 +1,5 @@
-// A study of the real café that renders in seconds: 24 x 18 pixels, 100 VPLs, one geometry.
+// A study of the real café, or of one sculpture of the gallery, that renders in seconds: 24 x 18 pixels, 100
+// VPLs, one geometry.
 #pragma once
 
 #include "protocols/study.h"
@@ -18,23 +19,26 @@ class TinyStudy {
 
  private:
   void write(const std::string& variant, std::uint64_t seed) {
-    const bool normalise = variant == "normalise";
+    const bool normalise = variant == "normalise", gallery = variant == "gallery";
+    const std::string geometry = gallery ? "Knot" : "G0";
     const std::filesystem::path source = EQUILUX_SOURCE_DIR;
     Json json = parse_json(load_text(source / "protocols/pocket.json"), "pocket");
-    json.set("scene", (source / "stimuli/scenes/cafe.json").string()).set("seed", seed);
+    json.set("scene", (source / "stimuli/scenes" / (gallery ? "gallery.json" : "cafe.json")).string())
+        .set("seed", seed);
     json.set("image", parse_json(R"({"width":24,"height":18})", "")).set("subpixel_positions", 2);
     json.set("paths", parse_json(R"({"object_indirect":32,"object_direct":32,"background":32})", ""));
     json.set("normalise", normalise).set("windows", "windows.json").set("truth", "truth.json");
     const std::string illuminations = normalise ? R"(["ind"])" : R"(["ind","dir"])";
-    json.set("blocks", parse_json(R"([{"geometries":["G0"],"materials":["MS","GS"],"illuminations":)" +
-                                      illuminations + R"(,"vpl_counts":["100"]}])",
-                                  ""));
+    json.set("blocks",
+             parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":["MS","GS"],"illuminations":)" +
+                            illuminations + R"(,"vpl_counts":["100"]}])",
+                        ""));
     path_ = folder_ / ("study-" + variant + std::to_string(seed) + ".json");
     Json windows{Json::Array{}}, truth{Json::Array{}};
     for (const std::string illumination : {"ind", "dir"}) {
       if (normalise && illumination == "dir") continue;
       for (const std::string material : {"MS", "GS"}) {
-        const std::string column = "G0-" + material + "-" + illumination + "-100";
+        const std::string column = geometry + "-" + material + "-" + illumination + "-100";
         windows.push(Json().set("column", column).set("first", "C2").set("origin", "placeholder"));
         truth.push(
             Json().set("column", column).set("artifact_free_from", "C4").set("material_same_to", "C6"));
