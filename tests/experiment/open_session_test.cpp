@@ -171,7 +171,7 @@ TEST_F(OpenSessionTest, RefusesToGoOnOrRepeatWithOtherWindows) {
 TEST_F(OpenSessionTest, RefusesToGoOnOrRepeatWithAnotherPicture) {
   finish(open("P1"));
   Manifest manifest = load_manifest(folder_.manifest());
-  manifest.pictures["G0-MS-ind-1k-C4-v0"].digest = digest_text("another");
+  manifest.pictures["G0-MS-ind-1k-C7-v0"].digest = digest_text("another");
   save_manifest(manifest, folder_.manifest());
   expect_refused(HasSubstr("pictures: expected"), "P2");
 }

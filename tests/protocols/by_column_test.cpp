@@ -62,7 +62,7 @@ TEST_F(Rows, MayStandInAnyOrder) {
   Json::Array rows = windows_.at("windows").as_array();
   std::reverse(rows.begin(), rows.end());
   const auto path = folder_.write("w", format_json(with(windows_, "/windows", Json(rows))));
-  EXPECT_EQ(load_windows(path, study_).by_column.at(parse_column("G0-MS-ind-1k", "test")).first_level, 4);
+  EXPECT_EQ(load_windows(path, study_).by_column.at(parse_column("G0-MS-ind-1k", "test")).first_level, 7);
 }
 
 TEST_F(Rows, OfAColumnTwiceAreRefused) {
