@@ -1,6 +1,7 @@
-// A binary tree over VPLs: each node bounds the VPLs below it and names one that stands for them all.
+// A binary tree over VPLs: each node bounds the VPLs below it, and names one of them that stands for all.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -8,34 +9,65 @@
 
 namespace equilux {
 
-/// Bounds of a set of VPLs. Every VPL lies in the box and its ng in the cone about `axis`; those with a glossy
-/// part mirror within the cone about `mirror`.
+/// Bounds of a set of VPLs: each lies in the box, and its ng in the cone.
 struct Cluster {
-  Vec3 low, high;              ///< units: m
-  Vec3 axis;                   ///< unit
-  float cos_angle = 1;         ///< of the cone's half angle; -1: all directions
-  float luminance = 0;         ///< sum of the VPLs' diffuse intensities. units: W/sr
-  float gloss_luminance = 0;   ///< sum of their peaks by the glossy part, luminance. units: W/sr
-  float gloss_alpha = 0;       ///< the largest
-  Vec3 mirror;                 ///< unit
-  float mirror_cos_angle = 1;  ///< -1: all directions
-  std::uint32_t representative = 0;  ///< index in LightTree::vpls
-  float share = 1;  ///< probability with which the representative was drawn: its light stands for 1 / share
+  Vec3 low, high;       ///< units: m
+  Vec3 axis;            ///< unit
+  float cos_angle = 1;  ///< of the cone's half angle; -1 holds all directions
+  float weight = 0;     ///< sum of the VPLs' weights. units: W/sr
 };
 
-/// A node's children are `left` and `right`; a leaf has left == right == kNoChild and one VPL.
-inline constexpr std::uint32_t kNoChild = ~0u;
-struct LightNode {
-  Cluster cluster;
-  std::uint32_t left = kNoChild, right = kNoChild;
-  bool is_leaf() const { return left == kNoChild; }
+/// Bounds of the glossy emission of a set of VPLs: each mirrors wi about its ns within one cone, and has its
+/// ns in the other. `peak` sums luminance(flux) K, with emission x cosine at most flux K E cos / (ns.wo), see
+/// bound_gloss.
+struct GlossCluster {
+  Vec3 mirror;
+  float cos_mirror = 1;
+  Vec3 ns;
+  float cos_ns = 1;
+  float peak = 0;   ///< 0: none glossy
+  float alpha = 0;  ///< the largest
 };
+
+/// A node in 32 bytes. Bounds are rounded outwards on a grid over the root's box. The left child of an inner
+/// node follows it; a leaf holds VPLs one after another.
+struct LightNode {
+  std::array<std::uint16_t, 3> low, high;
+  std::array<std::int16_t, 2> axis;  ///< octahedral
+  std::int16_t cos_angle;            ///< in 1 / 32767, rounded down so far that the axis' rounding is within
+  std::uint16_t leaf_count;          ///< of VPLs; 0: an inner node
+  float weight;
+  std::uint32_t representative;  ///< index among the VPLs; drawn in proportion to their weights
+  std::uint32_t next;            ///< index of the right child, or of a leaf's first VPL
+};
+static_assert(sizeof(LightNode) == 32);
 
 struct LightTree {
-  VplList vpls;  ///< in the order of the tree
-  std::vector<LightNode> nodes;
-  std::uint32_t root = 0;
+  VplList vpls;                     ///< in the tree's order
+  std::vector<LightNode> nodes;     ///< depth first, the root in front; empty without VPLs
+  std::vector<GlossCluster> gloss;  ///< beside nodes; empty if no VPL is glossy
+  Vec3 origin, step;                ///< of the grid of boxes. units: m
+
   bool empty() const { return nodes.empty(); }
 };
+
+struct LightTreeParams {
+  std::uint64_t seed = 1;  ///< of the representatives
+  int leaf_size = 1;       ///< most VPLs in a leaf
+};
+
+/// What a VPL's luminance counts as in drawing representatives: above zero for each that emits.
+float weigh_vpl(const VplList& list, std::size_t index);
+
+/// Deterministic on any number of threads. VPLs are sorted along a Morton curve whose fourth level is
+/// followed by the octant of ng; nodes split where keys differ first.
+LightTree make_light_tree(VplList vpls, const LightTreeParams& params);
+
+Cluster unpack_cluster(const LightTree& tree, const LightNode& node);
+
+/// Octahedral unit vectors. Decoding what was encoded errs by at most kOctahedralError. units: radians
+inline constexpr float kOctahedralError = 1.2e-4f;
+std::array<std::int16_t, 2> encode_octahedral(Vec3 unit);
+Vec3 decode_octahedral(std::array<std::int16_t, 2> code);
 
 }  // namespace equilux

@@ -8,8 +8,8 @@
 #include <optional>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <thread>
-#include <vector>
 
 #include "renderer/world.h"
 
@@ -36,6 +36,7 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
 }
+void sort_parallel(std::vector<KeyedIndex>& values) { std::sort(values.begin(), values.end()); }
 #else
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
   tbb::parallel_for(
@@ -46,6 +47,7 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
       },
       tbb::simple_partitioner());
 }
+void sort_parallel(std::vector<KeyedIndex>& values) { tbb::parallel_sort(values.begin(), values.end()); }
 #endif
 
 int count_threads() {

@@ -1,14 +1,27 @@
 // Parallel loops. Results never depend on which thread does what.
 #pragma once
 
+#include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace equilux {
 
 /// Calls body(0) .. body(count - 1), each once, on all threads, with denormals flushed.
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body);
+
+/// A sort key and what it stands for.
+struct KeyedIndex {
+  std::uint64_t key = 0;
+  std::uint32_t index = 0;
+  auto operator<=>(const KeyedIndex&) const = default;
+};
+
+/// By key, then by index: the same order on any number of threads.
+void sort_parallel(std::vector<KeyedIndex>& values);
 
 /// Threads that a loop may use now.
 int count_threads();

@@ -1,0 +1,32 @@
+// Light of millions of VPLs at points of the object by cuts through a light tree, all clamp levels in one.
+#pragma once
+
+#include "renderer/cluster_bound.h"
+#include "renderer/light_tree.h"
+#include "renderer/shade.h"
+
+namespace equilux {
+
+struct LightcutParams {
+  double error_ratio = 0.0075;  ///< a cluster's bound over the point's total, at every level and material
+  double floor = 0;  ///< of that total: below it nothing could be seen. units: W/(m^2 sr), luminance
+};
+
+/// What cuts came to. Sizes count clusters and single VPLs.
+struct CutRecord {
+  std::vector<std::uint32_t> sizes;  ///< of each point
+  std::uint64_t shadow_rays = 0;
+};
+
+/// As shade_all_vpls, to within what the ratio allows: in every cluster of the cut
+///   bound(level, material) <= error_ratio x max(total(level, material), floor),
+/// with the totals that the cut itself gives. No cut is too large. A cluster's light is its representative's,
+/// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum.
+/// Scalar, one point at a time: the oracle of the fast version.
+/// source: Walter et al., "Lightcuts: a scalable approach to illumination", SIGGRAPH 2005.
+ShadedPoints shade_lightcut_scalar(const World& world, const std::vector<ShadingPoint>& points,
+                                   const LightTree& tree, const std::vector<Material>& materials,
+                                   const std::vector<double>& clamps_per_m2, const LightcutParams& params,
+                                   CutRecord* record = nullptr);
+
+}  // namespace equilux

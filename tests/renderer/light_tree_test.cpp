@@ -1,0 +1,256 @@
+// The light tree, its bounds, and the cut against the plain sum over all VPLs.
+#include "renderer/light_tree.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+#include <set>
+
+#include "base/random.h"
+#include "renderer/lightcut.h"
+#include "renderer/parallel.h"
+#include "tests/renderer/test_scene.h"
+#include "tests/support/statistics.h"
+
+namespace equilux {
+namespace {
+
+Vec3 draw_direction(RandomStream& random) {
+  const float z = 2 * random.next_float() - 1, angle = 2 * kPi * random.next_float();
+  const float r = std::sqrt(std::max(0.0f, 1 - z * z));
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+Vec3 draw_point(RandomStream& random, float scale) {
+  const auto draw = [&] { return scale * (2 * random.next_float() - 1); };
+  return {draw(), draw(), draw()};
+}
+
+// VPLs in a few heaps, so that boxes and cones of every size occur; a third of them glossy if asked.
+VplList draw_vpls(int count, std::uint64_t seed, bool glossy) {
+  RandomStream random(seed, "vpls", 0);
+  VplList list;
+  Vec3 heap, facing{0, 0, 1};
+  for (int i = 0; i < count; ++i) {
+    if (i % 50 == 0) {
+      heap = draw_point(random, 3);
+      facing = draw_direction(random);
+    }
+    const float spread = std::pow(10.0f, -4 * random.next_float());
+    Vpl vpl;
+    vpl.p = heap + draw_point(random, spread);
+    vpl.ng = normalize(facing + draw_direction(random) * spread);
+    vpl.intensity = {random.next_float(), random.next_float(), 0.01f + random.next_float()};
+    if (glossy && i % 3 == 0) {
+      vpl.gloss = static_cast<std::int32_t>(list.gloss.size());
+      const Vec3 ns = normalize(vpl.ng + draw_direction(random) * 0.05f);
+      Vec3 wi = draw_direction(random);
+      if (dot(wi, ns) < 0) wi = -wi;
+      const auto model = static_cast<GlossModel>(random.next_below(3));
+      list.gloss.push_back({ns, wi, {0.5f, 0.2f, 0.1f}, 0.02f + 0.3f * random.next_float(), model});
+    }
+    list.vpls.push_back(vpl);
+  }
+  return list;
+}
+
+// Calls check(node, VPL) for every VPL below every node, at most `most` for each.
+template <typename Check>
+void for_each_member(const LightTree& tree, std::uint32_t node, std::vector<std::uint32_t>& path,
+                     const Check& check) {
+  path.push_back(node);
+  if (tree.nodes[node].leaf_count > 0) {
+    for (std::uint32_t i = 0; i < tree.nodes[node].leaf_count; ++i) {
+      for (std::uint32_t above : path) check(above, tree.nodes[node].next + i);
+    }
+  } else {
+    for_each_member(tree, node + 1, path, check);
+    for_each_member(tree, tree.nodes[node].next, path, check);
+  }
+  path.pop_back();
+}
+
+class Trees : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(OfLeaves, Trees, testing::Values(1, 4, 8));
+
+TEST_P(Trees, HoldEveryVplOnceWithinTheBoundsOfAllNodesAboveIt) {
+  const VplList list = draw_vpls(5000, 1, true);
+  const LightTree tree = make_light_tree(list, {7, GetParam()});
+  ASSERT_EQ(tree.vpls.size(), list.size());
+  std::vector<int> seen(list.size());
+  std::vector<double> weights(tree.nodes.size());
+  std::vector<std::uint32_t> path;
+  for_each_member(tree, 0, path, [&](std::uint32_t node, std::uint32_t index) {
+    const Vpl& vpl = tree.vpls.vpls[index];
+    const Cluster cluster = unpack_cluster(tree, tree.nodes[node]);
+    for (const auto& [low, p, high] : {std::array{cluster.low.x, vpl.p.x, cluster.high.x},
+                                       {cluster.low.y, vpl.p.y, cluster.high.y},
+                                       {cluster.low.z, vpl.p.z, cluster.high.z}}) {
+      ASSERT_LE(low, p);
+      ASSERT_GE(high, p);
+    }
+    ASSERT_GE(dot(cluster.axis, vpl.ng), cluster.cos_angle - 1e-6f);
+    weights[node] += weigh_vpl(tree.vpls, index);
+    seen[index] += node == 0;
+    if (vpl.gloss < 0) return;
+    const VplGloss& gloss = tree.vpls.gloss[static_cast<std::size_t>(vpl.gloss)];
+    ASSERT_GE(dot(tree.gloss[node].ns, gloss.ns), tree.gloss[node].cos_ns - 1e-6f);
+    ASSERT_GE(tree.gloss[node].alpha, gloss.alpha);
+  });
+  for (int count : seen) EXPECT_EQ(count, 1);
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    EXPECT_NEAR(tree.nodes[i].weight / weights[i], 1, 1e-5);
+    EXPECT_LE(tree.nodes[i].leaf_count, GetParam());
+  }
+}
+
+TEST(LightTree, IsTheSameOnOneAndTwoThreadsAndAnotherForAnotherSeed) {
+  const VplList list = draw_vpls(5000, 2, false);
+  const auto representatives = [&](std::uint64_t seed, int threads) {
+    const ThreadLimit limit(threads);
+    std::vector<std::uint32_t> found;
+    for (const LightNode& node : make_light_tree(list, {seed, 2}).nodes) {
+      found.push_back(node.representative);
+      found.push_back(node.next);
+    }
+    return found;
+  };
+  EXPECT_EQ(representatives(1, 1), representatives(1, 2));
+  EXPECT_NE(representatives(1, 1), representatives(2, 1));
+}
+
+// Of the root, over 4,000 seeds, in proportion to weights that go from 1 to 16. Level .001.
+TEST(LightTree, DrawsRepresentativesInProportionToTheirWeights) {
+  VplList list;
+  for (int i = 0; i < 16; ++i) {
+    const float intensity = static_cast<float>(i + 1);
+    list.vpls.push_back({{static_cast<float>(i % 4), static_cast<float>(i / 4), 0},
+                         0,
+                         {0, 0, 1},
+                         {intensity, intensity, intensity},
+                         -1});
+  }
+  std::vector<double> counts(16), expected(16);
+  for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+    const LightTree tree = make_light_tree(list, {seed, 1});
+    const Vpl& vpl = tree.vpls.vpls[tree.nodes[0].representative];
+    ++counts[static_cast<std::size_t>(std::lround(vpl.intensity.x)) - 1];
+  }
+  for (std::size_t i = 0; i < 16; ++i) expected[i] = 4000.0 * static_cast<double>(i + 1) / 136;
+  EXPECT_GT(test::test_chi_squared(counts, expected).p, 0.001);
+}
+
+TEST(LightTree, OfNoneOneAndEqualVplsIsWhole) {
+  EXPECT_TRUE(make_light_tree({}, {}).empty());
+  VplList list;
+  for (int count : {1, 2, 100}) {
+    list.vpls.assign(static_cast<std::size_t>(count), {{1, 2, 3}, 0, {0, 1, 0}, {1, 1, 1}, -1});
+    const LightTree tree = make_light_tree(list, {});
+    EXPECT_EQ(tree.nodes.size(), static_cast<std::size_t>(2 * count - 1));
+    const Cluster cluster = unpack_cluster(tree, tree.nodes[0]);
+    EXPECT_EQ(cluster.low, (Vec3{1, 2, 3}));
+    EXPECT_NEAR(tree.nodes[0].weight, static_cast<float>(count), 1e-3f);
+  }
+}
+
+TEST(Octahedral, VectorsComeBackWithinTheirError) {
+  RandomStream random(3, "octahedral", 0);
+  double worst = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const Vec3 unit = draw_direction(random), back = decode_octahedral(encode_octahedral(unit));
+    worst = std::max(worst, double{length(cross(unit, back))});
+    ASSERT_NEAR(length(back), 1, 1e-6);
+  }
+  EXPECT_LT(worst, kOctahedralError);
+  for (Vec3 axis : {Vec3{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}})
+    EXPECT_EQ(decode_octahedral(encode_octahedral(axis)), axis);
+}
+
+Material draw_material(RandomStream& random) {
+  MaterialSpec spec{"drawn", {random.next_float() * 0.5f, 0.1f, 0.2f}, {}, 0};
+  if (random.next_below(4) > 0) {
+    spec.rho_s = {0.4f * random.next_float(), 0.3f, 0.1f};
+    spec.roughness_alpha = std::pow(10.0f, -4 * random.next_float());
+    spec.model = static_cast<GlossModel>(random.next_below(3));
+  }
+  return make_material(spec);
+}
+
+// A point of the object anywhere, also in the middle of VPLs, seen from anywhere above its horizon, often at
+// grazing angles.
+ShadingPoint draw_shading_point(RandomStream& random, const LightTree& tree) {
+  ShadingPoint point;
+  const Vpl& near = tree.vpls.vpls[random.next_below(tree.vpls.size())];
+  const float away = std::pow(10.0f, 1 - 6 * random.next_float());
+  point.surface.p = near.p + draw_direction(random) * away;
+  point.surface.ns = point.surface.ng = draw_direction(random);
+  const Frame frame(point.surface.ns);
+  const float z = random.next_below(2) == 0 ? random.next_float() : 1e-3f * random.next_float();
+  const float angle = 2 * kPi * random.next_float(), r = std::sqrt(1 - z * z);
+  point.v = normalize(frame.to_world({r * std::cos(angle), r * std::sin(angle), z}));
+  return point;
+}
+
+// The light of each VPL below a node, by the BRDF's own functions, against the node's bound.
+// shape: trees x points x nodes x members x materials x levels; seed 5.
+TEST(ClusterBounds, HoldForEveryMemberPointMaterialAndLevel) {
+  std::int64_t cases = 0, violations = 0;
+  double tightest = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const LightTree tree = make_light_tree(draw_vpls(600, seed, seed % 2 == 0), {seed, 1});
+    RandomStream random(5, "bounds", seed);
+    for (int k = 0; k < 120; ++k) {
+      const ShadingPoint point = draw_shading_point(random, tree);
+      const BoundPoint bound_point = make_bound_point(point);
+      const Material material = draw_material(random);
+      std::vector<std::uint32_t> path;
+      std::vector<BoxSight> sights;
+      std::vector<float> most_m, emission;
+      for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+        const Cluster cluster = unpack_cluster(tree, tree.nodes[i]);
+        sights.push_back(sight_box(bound_point, cluster.low, cluster.high));
+        most_m.push_back(bound_material(material, bound_point, sights.back()));
+        emission.push_back(
+            bound_emission(point.surface.p, cluster, tree.gloss.empty() ? nullptr : &tree.gloss[i]));
+      }
+      std::vector<double> sums(tree.nodes.size());
+      for_each_member(tree, 0, path, [&](std::uint32_t node, std::uint32_t index) {
+        const Vpl& vpl = tree.vpls.vpls[index];
+        const Vec3 d = vpl.p - point.surface.p;
+        const float r2 = dot(d, d);
+        if (!(r2 > 0)) return;
+        const Vec3 l = d / std::sqrt(r2), local = bound_point.shading.to_local(l);
+        const float cos_vpl = -dot(vpl.ng, l);
+        if (!(local.z > 0) || !(cos_vpl > 0)) return;
+        const float m = max_component(eval_brdf(material, bound_point.v, local) * local.z);
+        Vec3 light = vpl.intensity * cos_vpl;
+        if (vpl.gloss >= 0) {
+          const VplGloss& gloss = tree.vpls.gloss[static_cast<std::size_t>(vpl.gloss)];
+          Material emitting;
+          emitting.alpha = gloss.alpha;
+          emitting.model = gloss.model;
+          const Frame frame(gloss.ns);
+          light +=
+              gloss.flux * (eval_glossy(emitting, frame.to_local(gloss.wi), frame.to_local(-l)) * cos_vpl);
+        }
+        sums[node] += luminance(light);
+        for (const float clamp : {0.01f, 10.0f, std::numeric_limits<float>::infinity()}) {
+          const float value = std::min(clamp, m / r2),
+                      bound = bound_transfer(most_m[node], sights[node].least_r2, clamp);
+          ++cases;
+          violations += !(value <= bound);
+          if (bound > 0 && std::isfinite(bound)) tightest = std::max(tightest, double{value} / bound);
+        }
+      });
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        ++cases;
+        violations += !(sums[i] <= emission[i]);
+      }
+    }
+  }
+  EXPECT_EQ(violations, 0) << "of " << cases;
+  EXPECT_GT(cases, 10000000);
+  EXPECT_GT(tightest, 0.999) << "bounds of single VPLs are nearly exact";
+}
+
+}  // namespace
+}  // namespace equilux
