@@ -48,8 +48,14 @@ Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo) {
 
 class PointCut {
  public:
-  PointCut(const CutJob& job, const ShadingPoint& point)
-      : job_(job), point_(point), bound_point_(make_bound_point(point)) {}
+  PointCut(const CutJob& job, const ShadingPoint& point, std::size_t index)
+      : job_(job), point_(point), bound_point_(make_bound_point(point)), base_(cells(), 0) {
+    const ShadedPoints* base = job.params.base;
+    for (std::size_t i = 0; base && i < base_.size(); ++i) {
+      const std::size_t levels = job.clamps.size();
+      base_[i] = luminance(base->radiance[base->index(i / levels, i % levels, index)]);
+    }
+  }
 
   // Refines until every cluster keeps the rule with the totals of the cut itself.
   void find() {
@@ -147,7 +153,7 @@ class PointCut {
 
   // Totals of what is kept and of `open`, times the ratio.
   void set_thresholds(const std::vector<CutMember>& open, std::vector<double>& thresholds) const {
-    std::vector<double> totals(cells(), 0);
+    std::vector<double> totals = base_;
     for (const auto* part : {&kept_, &open}) {
       for (const CutMember& member : *part) {
         for (std::size_t i = 0; i < totals.size(); ++i) totals[i] += luminance_of(member.light[i]);
@@ -202,6 +208,7 @@ class PointCut {
   const CutJob& job_;
   const ShadingPoint& point_;
   BoundPoint bound_point_;
+  std::vector<double> base_;  // luminance that is there already, material x level
   std::vector<CutMember> kept_;
   std::uint64_t rays_ = 0;
 };
@@ -233,7 +240,7 @@ ShadedPoints shade_lightcut_scalar(const World& world, const std::vector<Shading
   std::vector<std::uint32_t> sizes(points.size());
   std::atomic<std::uint64_t> rays = 0;
   for_each_parallel(points.size(), [&](std::size_t i) {
-    PointCut cut(job, points[i]);
+    PointCut cut(job, points[i], i);
     cut.find();
     sizes[i] = static_cast<std::uint32_t>(cut.members().size());
     rays += cut.rays();

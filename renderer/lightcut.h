@@ -10,6 +10,8 @@ namespace equilux {
 struct LightcutParams {
   double error_ratio = 0.0075;  ///< a cluster's bound over the point's total, at every level and material
   double floor = 0;  ///< of that total: below it nothing could be seen. units: W/(m^2 sr), luminance
+  /// Light of other VPLs, which counts in the totals; null: none. shape: as the result
+  const ShadedPoints* base = nullptr;
 };
 
 /// What cuts came to. Sizes count clusters and single VPLs.

@@ -6,8 +6,10 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "renderer/lightcut.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
+#include "renderer/wanted.h"
 
 namespace equilux {
 namespace {
@@ -76,33 +78,55 @@ void check_clamps(const PictureParams& params, const World& world) {
   }
 }
 
+// A quarter of a displayed step, through the curve of the background that is there already.
+double find_floor(const Picture& picture, const Primary& primary) {
+  std::vector<const HdrImage*> layers{&picture.background};
+  for (const ObjectLayers& object : picture.objects) layers.push_back(&object.direct);
+  return find_radiance_of_step(
+      make_tone_curve(composite(layers), make_coverage(primary), Exposure::kBackground, 0.18), 0.25);
+}
+
+// All VPLs: as a list where they are few, else as a tree.
+struct Lights {
+  VplList list;
+  LightTree tree;
+  double floor = 0;
+};
+
 // The object's layer at its own clamp, and unclamped where it is to be normalised to that.
 HdrImage shade_object(const PictureScene& scene, const PictureParams& params, std::int32_t object,
-                      const VplSet& vpls, Progress& progress) {
+                      const Lights& lights, Progress& progress) {
   const auto points = find_shading_points(scene.primary, object);
   const auto index = static_cast<std::size_t>(object);
   std::vector<double> clamps{clamp_of(params, scene.world.objects()[index])};
   if (params.normalise) clamps.push_back(std::numeric_limits<double>::infinity());
+  const std::vector<Material> material{scene.materials[index]};
+  const ShadedPoints shaded = lights.tree.empty()
+                                  ? shade_all_vpls(scene.world, points, lights.list, material, clamps,
+                                                   [&](double pairs) { progress.advance(pairs); })
+                                  : shade_lightcut_scalar(scene.world, points, lights.tree, material, clamps,
+                                                          {kErrorRatio, lights.floor, nullptr});
+  if (!lights.tree.empty())
+    progress.advance(static_cast<double>(points.size()) * static_cast<double>(lights.tree.vpls.size()));
   std::vector<HdrImage> layers(clamps.size(), HdrImage(scene.primary.width, scene.primary.height));
-  for (const auto* part : {&vpls.shared, &vpls.own}) {
-    const auto shaded = shade_all_vpls(scene.world, points, *part, {scene.materials[index]}, clamps,
-                                       [&](double done) { progress.advance(done); });
-    for (std::size_t level = 0; level < clamps.size(); ++level)
-      add_to_layer(shaded, 0, level, points, scene.primary.positions, layers[level]);
-  }
+  for (std::size_t level = 0; level < clamps.size(); ++level)
+    add_to_layer(shaded, 0, level, points, scene.primary.positions, layers[level]);
   return params.normalise ? normalise_luminance(layers[0], layers[1]) : layers[0];
 }
 
 void shade_objects(const PictureScene& scene, const PictureParams& params, Picture& picture) {
   const std::int64_t path_count = find_path_count(scene.world, *params.vpl_count, params.seed);
-  const VplSet vpls =
-      trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
+  VplSet vpls = trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
   picture.vpl_count = vpls.count();
+  Lights lights{std::move(vpls.shared), {}, find_floor(picture, scene.primary)};
+  lights.list.append(vpls.own);
+  if (!is_summed_plainly(*params.vpl_count))
+    lights.tree = make_light_tree(std::move(lights.list), {params.seed, 4});
   double points = 0;
   for (const PrimaryHit& hit : scene.primary.hits) points += hit.kind == PrimaryKind::kObject;
-  Progress progress("shading", points * static_cast<double>(vpls.count()));
+  Progress progress("shading", points * static_cast<double>(picture.vpl_count));
   for (std::size_t i = 0; i < picture.objects.size(); ++i)
-    picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), vpls, progress);
+    picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), lights, progress);
 }
 
 ReferenceParams make_params(const PictureParams& params, const std::string& stream_name) {

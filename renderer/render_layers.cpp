@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "renderer/lightcut.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 // Cost of a point-VPL pair in units of a path, for the estimate of what is left; measured on the café.
 constexpr double kPairCost = 0.05;
+// Cost of a point's cut at all levels, in the same unit.
+constexpr double kCutCost = 3000;
 
 struct GroupKey {
   std::string geometry;
@@ -54,14 +57,17 @@ double estimate_work(const Study& study, const Scene& scene, const World& world,
   const double pixels =
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
   const double family = pixels * estimate_family_paths(make_reference_params(study, ""), small);
-  double pairs = 0;
-  std::set<std::pair<std::int64_t, int>> seen;  // materials and levels share the pairs
+  const double points = pixels * object * study.subpixel_positions;
+  double shading = 0;
+  std::set<std::tuple<std::int64_t, int, std::string>> seen;  // levels share cuts, materials too share sums
   for (const Condition& condition : missing.conditions) {
-    if (!seen.insert({condition.cell.column.vpl_count, condition.view}).second) continue;
-    pairs +=
-        pixels * object * study.subpixel_positions * static_cast<double>(condition.cell.column.vpl_count);
+    const std::int64_t count = condition.cell.column.vpl_count;
+    const bool plain = is_summed_plainly(count);
+    if (!seen.insert({count, condition.view, plain ? "" : condition.cell.column.object.material}).second)
+      continue;
+    shading += points * (plain ? kPairCost * static_cast<double>(count) : kCutCost);
   }
-  return family * static_cast<double>(missing.families.size()) + kPairCost * pairs;
+  return family * static_cast<double>(missing.families.size()) + shading;
 }
 
 struct GroupJob {
@@ -109,58 +115,138 @@ Condition make_condition(const GroupKey& group, const std::string& material, std
   return {{{{group.geometry, material, group.illumination}, vpl_count}, level, false}, view};
 }
 
+std::vector<double> clamps_of(const std::vector<int>& levels) {
+  std::vector<double> clamps;
+  for (int level : levels) clamps.push_back(clamp_per_m2(level));
+  return clamps;
+}
+
 std::vector<int> all_levels(const LevelsByMaterial& wanted) {
   std::set<int> levels;
   for (const auto& [material, some] : wanted) levels.insert(some.begin(), some.end());
   return {levels.begin(), levels.end()};
 }
 
-void render_vpl_layers(const GroupJob& job, const GroupKey& group, int view, const Primary& primary,
-                       const std::vector<ShadingPoint>& points, std::int64_t vpl_count, std::int64_t paths,
-                       const LevelsByMaterial& wanted) {
-  const std::string stream = fmt::format(
-      "vpls/{}/{}/{}", group.geometry, format_illumination(group.illumination), format_vpl_count(vpl_count));
-  const std::vector<int> levels = all_levels(wanted);
-  std::vector<double> clamps;
-  for (int level : levels) clamps.push_back(clamp_per_m2(level));
+// One geometry, illumination, view and VPL count: what its VPL layers are made from.
+struct VplJob {
+  const GroupJob& group;
+  const GroupKey& key;
+  int view;
+  const Primary& primary;
+  const std::vector<ShadingPoint>& points;
+  std::int64_t vpl_count;
+  std::int64_t paths;
+  const LevelsByMaterial& wanted;
+};
+
+VplSet trace_set(const VplJob& job, const std::string& material) {
+  const Stopwatch watch(job.group.seconds["VPL tracing"]);
+  const std::string stream =
+      fmt::format("vpls/{}/{}/{}", job.key.geometry, format_illumination(job.key.illumination),
+                  format_vpl_count(job.vpl_count));
+  return trace_vpls(job.group.world, materials_of(job.group, material), job.paths, job.group.study.seed,
+                    stream, job.group.study.emission);
+}
+
+// Of one material, from the light of shared and of own VPLs; `index` is its place in the shared light.
+struct MaterialLight {
+  const ShadedPoints& shared;
+  std::size_t index;
+  const ShadedPoints& own;
+  std::int64_t vpl_count;
+};
+
+void save_vpl_layers(const VplJob& job, const std::string& material, const std::vector<int>& levels,
+                     const MaterialLight& light) {
+  const GroupJob& group = job.group;
+  const Stopwatch watch(group.seconds["files"]);
+  for (std::size_t level = 0; level < levels.size(); ++level) {
+    if (!job.wanted.at(material).contains(levels[level])) continue;
+    const Condition condition = make_condition(job.key, material, job.vpl_count, levels[level], job.view);
+    HdrImage layer(job.primary.width, job.primary.height);
+    add_to_layer(light.shared, light.index, level, job.points, job.primary.positions, layer);
+    add_to_layer(light.own, 0, level, job.points, job.primary.positions, layer);
+    group.store.save(vpl_layer_name(condition), digest_vpl_recipe(group.recipes, condition), layer,
+                     {{"equilux_clamp_per_m2", fmt::format("{}", clamp_per_m2(levels[level]))},
+                      {"equilux_vpl_count", fmt::format("{}", light.vpl_count)}},
+                     light.vpl_count);
+  }
+}
+
+// All materials and levels in one pass over the VPLs.
+void render_plain_sums(const VplJob& job) {
+  const GroupJob& group = job.group;
+  const std::vector<int> levels = all_levels(job.wanted);
+  const std::vector<double> clamps = clamps_of(levels);
   std::vector<VplSet> sets;
   std::vector<Material> materials;
-  {
-    const Stopwatch watch(job.seconds["VPL tracing"]);
-    for (const auto& [material, some] : wanted) {
-      materials.push_back(make_material(find_material(job.scene, material)));
-      sets.push_back(trace_vpls(job.world, materials_of(job, material), paths, job.study.seed, stream,
-                                job.study.emission));
-    }
+  for (const auto& [material, some] : job.wanted) {
+    materials.push_back(make_material(find_material(group.scene, material)));
+    sets.push_back(trace_set(job, material));
   }
-  const auto advance = [&](double pairs) { job.progress.advance(kPairCost * pairs); };
-  ShadedPoints shared;
-  {
-    const Stopwatch watch(job.seconds["VPL shading"]);
-    shared = shade_all_vpls(job.world, points, sets.front().shared, materials, clamps, advance);
-  }
+  const auto shade = [&](const VplList& vpls, const std::vector<Material>& of, double cost) {
+    const Stopwatch watch(group.seconds["VPL shading"]);
+    return shade_all_vpls(group.world, job.points, vpls, of, clamps,
+                          [&](double pairs) { group.progress.advance(cost * pairs); });
+  };
+  const ShadedPoints shared = shade(sets.front().shared, materials, kPairCost);
   std::size_t index = 0;
-  for (const auto& [material, some] : wanted) {
-    ShadedPoints own;
-    {
-      const Stopwatch watch(job.seconds["VPL shading"]);
-      own = shade_all_vpls(job.world, points, sets[index].own, {materials[index]}, clamps, [](double) {});
-    }
-    const Stopwatch watch(job.seconds["files"]);
-    for (std::size_t level = 0; level < levels.size(); ++level) {
-      if (!some.contains(levels[level])) continue;
-      const Condition condition = make_condition(group, material, vpl_count, levels[level], view);
-      HdrImage layer(primary.width, primary.height);
-      add_to_layer(shared, index, level, points, primary.positions, layer);
-      add_to_layer(own, 0, level, points, primary.positions, layer);
-      job.store.save(vpl_layer_name(condition), digest_vpl_recipe(job.recipes, condition), layer,
-                     {{"equilux_clamp_per_m2", fmt::format("{}", clamps[level])},
-                      {"equilux_vpl_count", fmt::format("{}", sets[index].count())}},
-                     sets[index].count());
-    }
+  for (const auto& [material, some] : job.wanted) {
+    const ShadedPoints own = shade(sets[index].own, {materials[index]}, 0);
+    save_vpl_layers(job, material, levels, {shared, index, own, sets[index].count()});
     ++index;
   }
-  job.store.save_record();
+}
+
+// The luminance that a quarter of a displayed step stands for in the family of this material.
+double find_floor(const VplJob& job, const std::string& material) {
+  const GroupJob& group = job.group;
+  const Family family{{job.key.geometry, material, job.key.illumination}, job.view};
+  const auto load = [&](const char* content) { return group.store.load(layer_name(family, content)); };
+  const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect");
+  const ToneRecord tone = make_tone_curve(composite({&background, &direct, &indirect}), load("coverage"),
+                                          group.study.exposure, group.study.tone_key);
+  return find_radiance_of_step(tone, 0.25);
+}
+
+// Each material by cuts of its own through a shared tree, at all levels of the study whatever is missing: so
+// that no layer depends on what it was made with.
+void render_lightcuts(const VplJob& job) {
+  const GroupJob& group = job.group;
+  const std::vector<int>& levels = group.study.clamp_levels;
+  const std::vector<double> clamps = clamps_of(levels);
+  const LightTreeParams tree_params{group.study.seed, 4};
+  LightTree shared_tree;
+  for (const auto& [name, some] : job.wanted) {
+    const std::vector<Material> material{make_material(find_material(group.scene, name))};
+    VplSet set = trace_set(job, name);
+    const std::int64_t count = set.count();
+    LightTree own_tree;
+    {
+      const Stopwatch watch(group.seconds["light trees"]);
+      if (shared_tree.empty()) shared_tree = make_light_tree(std::move(set.shared), tree_params);
+      own_tree = make_light_tree(std::move(set.own), tree_params);
+    }
+    LightcutParams params{kErrorRatio, find_floor(job, name), nullptr};
+    ShadedPoints shared, own;
+    {
+      const Stopwatch watch(group.seconds["VPL shading"]);
+      shared = shade_lightcut_scalar(group.world, job.points, shared_tree, material, clamps, params);
+      params.base = &shared;
+      own = shade_lightcut_scalar(group.world, job.points, own_tree, material, clamps, params);
+    }
+    group.progress.advance(kCutCost * static_cast<double>(job.points.size()));
+    save_vpl_layers(job, name, levels, {shared, 0, own, count});
+  }
+}
+
+void render_vpl_layers(const VplJob& job) {
+  if (is_summed_plainly(job.vpl_count)) {
+    render_plain_sums(job);
+  } else {
+    render_lightcuts(job);
+  }
+  job.group.store.save_record();
 }
 
 void render_view(const GroupJob& job, const GroupKey& group, const MissingLayers& missing, int view,
@@ -183,7 +269,7 @@ void render_view(const GroupJob& job, const GroupKey& group, const MissingLayers
   for (const auto& [vpl_count, wanted] : by_count) {
     const auto [paths, added] = path_counts.try_emplace(vpl_count, 0);
     if (added) paths->second = find_path_count(job.world, vpl_count, job.study.seed);
-    render_vpl_layers(job, group, view, primary, points, vpl_count, paths->second, wanted);
+    render_vpl_layers({job, group, view, primary, points, vpl_count, paths->second, wanted});
   }
 }
 

@@ -103,6 +103,11 @@ std::array<double, 3> eval_display(const ToneRecord& tone, const float* rgb) {
   return values;
 }
 
+double find_radiance_of_step(const ToneRecord& tone, double share) {
+  // The curve starts at a slope of key / log-average, the transfer function at 12.92.
+  return tone.key > 0 && tone.log_average > 0 ? share / 255 / 12.92 * tone.log_average / tone.key : 0;
+}
+
 LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone) {
   LdrImage picture(image.width, image.height);
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {

@@ -29,6 +29,9 @@ double decode_srgb(double encoded);
 /// The displayed value of a linear colour before rounding. shape: 3. units: steps of 255
 std::array<double, 3> eval_display(const ToneRecord& tone, const float* rgb);
 
+/// The luminance that is displayed as this share of a step of 255, where it is darkest.
+double find_radiance_of_step(const ToneRecord& tone, double share);
+
 /// Tone curve, sRGB transfer function, 8 bit.
 LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone);
 

@@ -14,6 +14,10 @@ namespace {
 // anew.
 constexpr int kPathEstimator = 4;
 constexpr int kVplEstimator = 4;
+constexpr int kLightcutEstimator = 1;
+
+// Where the two cost the same in the café, for the eleven levels of one material.
+constexpr std::int64_t kMostPlainVpls = 20000;
 
 bool matches(const std::string& key, const std::string& glob) {
   return fnmatch(glob.c_str(), key.c_str(), 0) == 0;
@@ -72,6 +76,8 @@ Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wante
   return recipes;
 }
 
+bool is_summed_plainly(std::int64_t vpl_count) { return vpl_count <= kMostPlainVpls; }
+
 std::string digest_family_recipe(const Recipes& recipes, const Family& family) {
   const Study& study = recipes.study;
   Json json = common_recipe(recipes, family.object, family.view);
@@ -91,7 +97,17 @@ std::string digest_family_recipe(const Recipes& recipes, const Family& family) {
 std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition) {
   const Column& column = condition.cell.column;
   Json json = common_recipe(recipes, column.object, condition.view);
-  json.set("estimator", "vpl-sum").set("estimator_version", kVplEstimator);
+  if (is_summed_plainly(column.vpl_count)) {
+    json.set("estimator", "vpl-sum").set("estimator_version", kVplEstimator);
+  } else {
+    // The levels share the cut, and the rule's floor comes from the reference.
+    json.set("estimator", "lightcut").set("estimator_version", kLightcutEstimator);
+    json.set("error_ratio", kErrorRatio);
+    Json levels{Json::Array{}};
+    for (int level : recipes.study.clamp_levels) levels.push(level);
+    json.set("levels", std::move(levels));
+    json.set("reference", digest_family_recipe(recipes, family_of(condition)));
+  }
   json.set("emission", recipes.study.emission == Emission::kFull ? "full" : "lambertian");
   json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));
   return digest_json(json);

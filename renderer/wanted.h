@@ -43,4 +43,10 @@ Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wante
 std::string digest_family_recipe(const Recipes& recipes, const Family& family);
 std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition);
 
+/// Few VPLs are summed one by one, exactly; more go by lightcuts, whose work hardly grows with their number.
+bool is_summed_plainly(std::int64_t vpl_count);
+
+/// Of the study's lightcuts.
+inline constexpr double kErrorRatio = 0.0075;
+
 }  // namespace equilux

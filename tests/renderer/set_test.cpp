@@ -216,6 +216,19 @@ TEST(Set, OfAGalleryTestsOneSculptureWithTheOthersInTheBackground) {
   EXPECT_LT(covered, 40u) << "one of six";
 }
 
+// 30,000 VPLs go by lightcuts: level by level and material by material they give the layers of all at once.
+TEST(Set, OfManyVplsIsCutTheSameWhateverItIsMadeWith) {
+  const test::TinyStudy study("many");
+  const test::Folder whole, parts;
+  make_set({study.path(), whole.path(), "G0-*-ind-*v0"});
+  for (const char* only : {"G0-MS-ind-30k-C4-v0", "G0-GS-ind-30k-C[0-6]-v0", "G0-*-ind-*v0"})
+    make_set({study.path(), parts.path(), only});
+  for (const char* key : {"G0-MS-ind-30k-C0-v0", "G0-MS-ind-30k-C4-v0", "G0-GS-ind-30k-C10-v0"}) {
+    const std::string file = std::string("layers/") + key + ".exr";
+    EXPECT_EQ(load_text(whole / file), load_text(parts / file)) << key;
+  }
+}
+
 TEST(Set, AGeometryWhoseFileIsMissingSaysWhichAndHow) {
   // A copy of the study and its scene, beside which no mesh was ever fetched.
   const fs::path source = EQUILUX_SOURCE_DIR;

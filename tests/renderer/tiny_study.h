@@ -19,7 +19,8 @@ class TinyStudy {
 
  private:
   void write(const std::string& variant, std::uint64_t seed) {
-    const bool normalise = variant == "normalise", gallery = variant == "gallery";
+    const bool normalise = variant == "normalise", many = variant == "many", gallery = variant == "gallery";
+    const std::string count = many ? "30k" : "100";
     const std::string geometry = gallery ? "Knot" : "G0";
     const std::filesystem::path source = EQUILUX_SOURCE_DIR;
     Json json = parse_json(load_text(source / "protocols/pocket.json"), "pocket");
@@ -31,14 +32,14 @@ class TinyStudy {
     const std::string illuminations = normalise ? R"(["ind"])" : R"(["ind","dir"])";
     json.set("blocks",
              parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":["MS","GS"],"illuminations":)" +
-                            illuminations + R"(,"vpl_counts":["100"]}])",
+                            illuminations + R"(,"vpl_counts":[")" + count + R"("]}])",
                         ""));
     path_ = folder_ / ("study-" + variant + std::to_string(seed) + ".json");
     Json windows{Json::Array{}}, truth{Json::Array{}};
     for (const std::string illumination : {"ind", "dir"}) {
       if (normalise && illumination == "dir") continue;
       for (const std::string material : {"MS", "GS"}) {
-        const std::string column = geometry + "-" + material + "-" + illumination + "-100";
+        const std::string column = geometry + "-" + material + "-" + illumination + "-" + count;
         windows.push(Json().set("column", column).set("first", "C2").set("origin", "placeholder"));
         truth.push(
             Json().set("column", column).set("artifact_free_from", "C4").set("material_same_to", "C6"));
