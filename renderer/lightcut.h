@@ -24,8 +24,16 @@ struct CutRecord {
 ///   bound(level, material) <= error_ratio x max(total(level, material), floor),
 /// with the totals that the cut itself gives. No cut is too large. A cluster's light is its representative's,
 /// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum.
-/// Scalar, one point at a time: the oracle of the fast version.
+/// Each material has cuts of its own, so that its light does not depend on the others. Sixteen nodes, VPLs or
+/// levels at a time; a point's first thresholds come from the point before it in its block of kCutBlock.
 /// source: Walter et al., "Lightcuts: a scalable approach to illumination", SIGGRAPH 2005.
+inline constexpr std::size_t kCutBlock = 64;
+ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
+                            const LightTree& tree, const std::vector<Material>& materials,
+                            const std::vector<double>& clamps_per_m2, const LightcutParams& params,
+                            CutRecord* record = nullptr);
+
+/// The same rule for all materials in one cut, one number at a time: the oracle.
 ShadedPoints shade_lightcut_scalar(const World& world, const std::vector<ShadingPoint>& points,
                                    const LightTree& tree, const std::vector<Material>& materials,
                                    const std::vector<double>& clamps_per_m2, const LightcutParams& params,

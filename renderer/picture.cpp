@@ -104,8 +104,8 @@ HdrImage shade_object(const PictureScene& scene, const PictureParams& params, st
   const ShadedPoints shaded = lights.tree.empty()
                                   ? shade_all_vpls(scene.world, points, lights.list, material, clamps,
                                                    [&](double pairs) { progress.advance(pairs); })
-                                  : shade_lightcut_scalar(scene.world, points, lights.tree, material, clamps,
-                                                          {kErrorRatio, lights.floor, nullptr});
+                                  : shade_lightcut(scene.world, points, lights.tree, material, clamps,
+                                                   {kErrorRatio, lights.floor, nullptr});
   if (!lights.tree.empty())
     progress.advance(static_cast<double>(points.size()) * static_cast<double>(lights.tree.vpls.size()));
   std::vector<HdrImage> layers(clamps.size(), HdrImage(scene.primary.width, scene.primary.height));

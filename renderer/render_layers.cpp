@@ -231,9 +231,9 @@ void render_lightcuts(const VplJob& job) {
     ShadedPoints shared, own;
     {
       const Stopwatch watch(group.seconds["VPL shading"]);
-      shared = shade_lightcut_scalar(group.world, job.points, shared_tree, material, clamps, params);
+      shared = shade_lightcut(group.world, job.points, shared_tree, material, clamps, params);
       params.base = &shared;
-      own = shade_lightcut_scalar(group.world, job.points, own_tree, material, clamps, params);
+      own = shade_lightcut(group.world, job.points, own_tree, material, clamps, params);
     }
     group.progress.advance(kCutCost * static_cast<double>(job.points.size()));
     save_vpl_layers(job, name, levels, {shared, 0, own, count});

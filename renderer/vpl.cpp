@@ -119,6 +119,20 @@ void VplList::append(const VplList& other) {
   gloss.insert(gloss.end(), other.gloss.begin(), other.gloss.end());
 }
 
+Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo) {
+  const float cosine = dot(vpl.ng, wo);
+  if (!(cosine > 0)) return {};
+  Vec3 light = vpl.intensity * cosine;
+  if (vpl.gloss < 0) return light;
+  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss)];
+  const Frame frame(gloss.ns);
+  Material material;
+  material.alpha = gloss.alpha;
+  material.model = gloss.model;
+  const float lobe = eval_glossy(material, frame.to_local(gloss.wi), frame.to_local(wo));
+  return light + gloss.flux * (lobe * cosine);
+}
+
 VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
                   const std::string& stream_name, Emission emission) {
   EQ_CHECK(paths > 0, paths);

@@ -50,6 +50,9 @@ struct VplSet {
   std::int64_t count() const { return static_cast<std::int64_t>(shared.size() + own.size()); }
 };
 
+/// Emission of a VPL of the list towards a unit direction, times the cosine at it. units: W/sr
+Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo);
+
 /// Number of paths that gives about `target` VPLs: target / (VPLs per path of a pilot of 1e5 paths with
 /// another stream and a grey Lambertian object), rounded, at least 1. One number for all materials. errors:
 /// InputError if no path leaves a VPL.

@@ -255,20 +255,16 @@ bool World::is_open(Vec3 from, Vec3 direction) const {
   return !is_hit_before(impl_->scene, from, direction, std::numeric_limits<float>::infinity());
 }
 
-std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const {
+namespace {
+
+std::uint32_t find_unoccluded(RTCScene scene, RTCRay16& ray, std::uint32_t valid,
+                              RTCIntersectContextFlags flags) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;  // neighbours to one point: 10 % faster, measured
+  context.flags = flags;
   alignas(64) std::array<int, 16> lanes;
-  RTCRay16 ray;
   for (unsigned i = 0; i < 16; ++i) {
     lanes[i] = (valid >> i) & 1u ? -1 : 0;
-    ray.org_x[i] = from.x[i];
-    ray.org_y[i] = from.y[i];
-    ray.org_z[i] = from.z[i];
-    ray.dir_x[i] = to.x - from.x[i];
-    ray.dir_y[i] = to.y - from.y[i];
-    ray.dir_z[i] = to.z - from.z[i];
     ray.tnear[i] = 0;
     ray.tfar[i] = 1;
     ray.time[i] = 0;
@@ -276,10 +272,39 @@ std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_
     ray.flags[i] = 0;
     ray.id[i] = i;
   }
-  rtcOccluded16(lanes.data(), impl_->scene, &context, &ray);
+  rtcOccluded16(lanes.data(), scene, &context, &ray);
   std::uint32_t visible = 0;
   for (unsigned i = 0; i < 16; ++i) visible |= (ray.tfar[i] >= 0 ? 1u : 0u) << i;
   return visible & valid;
+}
+
+}  // namespace
+
+std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const {
+  RTCRay16 ray;
+  for (unsigned i = 0; i < 16; ++i) {
+    ray.org_x[i] = from.x[i];
+    ray.org_y[i] = from.y[i];
+    ray.org_z[i] = from.z[i];
+    ray.dir_x[i] = to.x - from.x[i];
+    ray.dir_y[i] = to.y - from.y[i];
+    ray.dir_z[i] = to.z - from.z[i];
+  }
+  // Neighbours to one point: as coherent rays 10 % faster, measured.
+  return find_unoccluded(impl_->scene, ray, valid, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+}
+
+std::uint32_t World::find_visible(Vec3 from, const PointPacket& to, std::uint32_t valid) const {
+  RTCRay16 ray;
+  for (unsigned i = 0; i < 16; ++i) {
+    ray.org_x[i] = from.x;
+    ray.org_y[i] = from.y;
+    ray.org_z[i] = from.z;
+    ray.dir_x[i] = to.x[i] - from.x;
+    ray.dir_y[i] = to.y[i] - from.y;
+    ray.dir_z[i] = to.z[i] - from.z;
+  }
+  return find_unoccluded(impl_->scene, ray, valid, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
 }
 
 Materials make_materials(const World& world, const std::vector<MaterialSpec>& object_materials) {

@@ -64,6 +64,9 @@ class World {
   /// The same for the lanes in `valid`, all towards one point. Gives the lanes that are NOT occluded.
   std::uint32_t find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const;
 
+  /// The same from one point to the lanes of `to` in `valid`.
+  std::uint32_t find_visible(Vec3 from, const PointPacket& to, std::uint32_t valid) const;
+
   const std::vector<SpotLight>& spots() const { return spots_; }
   const std::vector<RectangleLight>& rectangles() const { return rectangles_; }
   /// Radiance that comes from where no surface is; black without an environment.

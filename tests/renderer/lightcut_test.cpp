@@ -16,6 +16,8 @@ const std::vector<double> kAllClamps = [] {
   return clamps;
 }();
 
+using ShadeLightcut = decltype(&shade_lightcut);
+
 struct Cafe {
   Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
   World world;
@@ -39,15 +41,19 @@ struct Cafe {
   ShadedPoints sum(const std::vector<double>& clamps) const {
     return shade_all_vpls(world, points, vpls, materials, clamps, [](double) {});
   }
-  ShadedPoints cut(const std::vector<double>& clamps, double ratio, std::uint64_t seed,
-                   CutRecord* record = nullptr) const {
-    const LightTree tree = make_light_tree(vpls, {seed, 1});
-    return shade_lightcut_scalar(world, points, tree, materials, clamps, {ratio, 1e-5}, record);
+  ShadedPoints cut(ShadeLightcut shade, const std::vector<double>& clamps, double ratio, std::uint64_t seed,
+                   CutRecord* record = nullptr, int leaf_size = 1) const {
+    const LightTree tree = make_light_tree(vpls, {seed, leaf_size});
+    return shade(world, points, tree, materials, clamps, {ratio, 1e-5}, record);
   }
 };
 
+class Lightcut : public testing::TestWithParam<ShadeLightcut> {};
+INSTANTIATE_TEST_SUITE_P(ScalarAndFast, Lightcut, testing::Values(&shade_lightcut_scalar, &shade_lightcut),
+                         [](const auto& info) { return std::string(info.index == 0 ? "Scalar" : "Fast"); });
+
 // Down to the leaves nothing is estimated: what differs is float's rounding, in two codes of their own.
-TEST(Lightcut, OfRatioZeroIsThePlainSum) {
+TEST_P(Lightcut, OfRatioZeroIsThePlainSum) {
   for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
     const Cafe cafe("G2", 61, 1500, emission);
     const ShadedPoints sum = cafe.sum(kAllClamps);
@@ -67,11 +73,11 @@ TEST(Lightcut, OfRatioZeroIsThePlainSum) {
 }
 
 // Relative errors of luminance at 22,000 VPLs, ratio .75 %, for each material and level.
-TEST(Lightcut, IsWithinItsErrorOfThePlainSumForEveryMaterialAndLevel) {
+TEST_P(Lightcut, IsWithinItsErrorOfThePlainSumForEveryMaterialAndLevel) {
   const Cafe cafe("G2", 12, 6000, Emission::kLambertian);
   const ShadedPoints sum = cafe.sum(kAllClamps);
   CutRecord record;
-  const ShadedPoints cut = cafe.cut(kAllClamps, 0.0075, 1, &record);
+  const ShadedPoints cut = cafe.cut(GetParam(), kAllClamps, 0.0075, 1, &record);
   for (std::size_t m = 0; m < cafe.materials.size(); ++m) {
     for (std::size_t level = 0; level < kAllClamps.size(); ++level) {
       double squares = 0;
@@ -94,14 +100,14 @@ TEST(Lightcut, IsWithinItsErrorOfThePlainSumForEveryMaterialAndLevel) {
 }
 
 // A single level by its own rule, and out of eleven: both within the rule, the latter at no less care.
-TEST(Lightcut, OfAllLevelsAtOnceIsNoWorseThanOfOne) {
+TEST_P(Lightcut, OfAllLevelsAtOnceIsNoWorseThanOfOne) {
   const Cafe cafe("G0", 24, 6000, Emission::kLambertian, {"MS"});
   for (std::size_t level : {0u, 4u, 8u}) {
     const std::vector<double> one{kAllClamps[level]};
     const ShadedPoints sum = cafe.sum(one);
     CutRecord alone_record, all_record;
-    const ShadedPoints alone = cafe.cut(one, 0.0075, 1, &alone_record),
-                       all = cafe.cut(kAllClamps, 0.0075, 1, &all_record);
+    const ShadedPoints alone = cafe.cut(GetParam(), one, 0.0075, 1, &alone_record),
+                       all = cafe.cut(GetParam(), kAllClamps, 0.0075, 1, &all_record);
     double alone_squares = 0, all_squares = 0;
     for (std::size_t i = 0; i < cafe.points.size(); ++i) {
       const double truth = luminance(sum.radiance[i]) + 1e-5;
@@ -116,7 +122,7 @@ TEST(Lightcut, OfAllLevelsAtOnceIsNoWorseThanOfOne) {
 
 // 300 seeds of the tree at a coarse ratio, 12 points, each channel and three levels: level .01 over all 9 by
 // Bonferroni. The rule stops by totals that depend on the representatives, so this is a test of that too.
-TEST(Lightcut, IsUnbiasedOverTreeSeedsInEveryChannel) {
+TEST_P(Lightcut, IsUnbiasedOverTreeSeedsInEveryChannel) {
   const Cafe cafe("G2", 180, 1500, Emission::kFull, {"MR"});
   const std::vector<double> clamps{kAllClamps[0], kAllClamps[4], kAllClamps[8]};
   const ShadedPoints sum = cafe.sum(clamps);
@@ -124,7 +130,7 @@ TEST(Lightcut, IsUnbiasedOverTreeSeedsInEveryChannel) {
   for (std::size_t level = 0; level < clamps.size(); ++level) {
     std::array<std::vector<double>, 3> ratios;
     for (int seed = 0; seed < kSeeds; ++seed) {
-      const ShadedPoints cut = cafe.cut({clamps[level]}, 0.05, static_cast<std::uint64_t>(seed));
+      const ShadedPoints cut = cafe.cut(GetParam(), {clamps[level]}, 0.05, static_cast<std::uint64_t>(seed));
       Vec3 found, truth;
       for (std::size_t i = 0; i < cafe.points.size(); ++i) {
         found += cut.radiance[i];
@@ -139,6 +145,29 @@ TEST(Lightcut, IsUnbiasedOverTreeSeedsInEveryChannel) {
       EXPECT_LT(std::abs(mean.mean - 1), 3.3 * mean.standard_error) << mean.mean << " C" << 4 * level;
       EXPECT_LT(mean.standard_error, 0.004);
     }
+  }
+}
+
+// Two codes of one rule: cuts of nearly one size (the fast one starts from its neighbour's thresholds, and
+// cuts each material by itself), light within what the rule leaves open.
+TEST(Lightcuts, OfBothCodesAgree) {
+  for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
+    const Cafe cafe("G2", 24, 6000, emission, {"MS"});
+    CutRecord scalar_record, fast_record;
+    const ShadedPoints scalar = cafe.cut(&shade_lightcut_scalar, kAllClamps, 0.0075, 1, &scalar_record, 4),
+                       fast = cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1, &fast_record, 4);
+    double scalar_size = 0, fast_size = 0, squares = 0;
+    for (std::size_t i = 0; i < cafe.points.size(); ++i) {
+      scalar_size += scalar_record.sizes[i];
+      fast_size += fast_record.sizes[i];
+    }
+    EXPECT_LT(fast_size, 1.05 * scalar_size);
+    EXPECT_GT(fast_size, 0.6 * scalar_size);
+    for (std::size_t i = 0; i < scalar.radiance.size(); ++i) {
+      const double a = luminance(scalar.radiance[i]), b = luminance(fast.radiance[i]);
+      squares += std::pow((b - a) / (a + 1e-5), 2) / static_cast<double>(scalar.radiance.size());
+    }
+    EXPECT_LT(std::sqrt(squares), 0.01);
   }
 }
 
