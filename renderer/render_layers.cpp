@@ -15,7 +15,7 @@ namespace {
 // Cost of a point-VPL pair in units of a path, for the estimate of what is left; measured on the café.
 constexpr double kPairCost = 0.05;
 // Cost of a point's cut at all levels, in the same unit.
-constexpr double kCutCost = 3000;
+constexpr double kCutCost = 1000;
 
 struct GroupKey {
   std::string geometry;

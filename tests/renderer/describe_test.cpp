@@ -253,7 +253,7 @@ TEST(Describe, AMissingMeshIsALineWithTheCommandThatBringsIt) {
   EXPECT_EQ(found.bite.geometry, "G0") << "the first that is there";
   const std::string text = format_description(found);
   EXPECT_THAT(text, HasSubstr("bunny.ply; stimuli/meshes/fetch.sh brings the Stanford Bunny\n"));
-  EXPECT_THAT(text, HasSubstr("no light reaches the object (64 points x 29 lights)"));
+  EXPECT_THAT(text, HasSubstr("no light reaches the object (64 points x 31 lights)"));
 }
 
 TEST(Describe, SaysWhatWasMendedInAFile) {

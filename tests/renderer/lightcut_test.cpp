@@ -27,8 +27,9 @@ struct Cafe {
 
   // Of what the camera sees every `stride`-th point, and about `count` VPLs.
   Cafe(const std::string& geometry, std::size_t stride, std::int64_t paths, Emission emission,
-       std::vector<std::string> names = {"MS", "MR", "GS", "LG"})
-      : world(make_world(scene, geometry, Illumination::kDirectAndIndirect)) {
+       std::vector<std::string> names = {"MS", "MR", "GS", "LG"},
+       Illumination illumination = Illumination::kDirectAndIndirect)
+      : world(make_world(scene, geometry, illumination)) {
     for (const std::string& name : names) materials.push_back(make_material(find_material(scene, name)));
     const auto all = find_shading_points(trace_primary(world, make_view_camera(scene, 0), 112, 84, 1));
     for (std::size_t i = 0; i < all.size(); i += stride) points.push_back(all[i]);
@@ -146,6 +147,35 @@ TEST_P(Lightcut, IsUnbiasedOverTreeSeedsInEveryChannel) {
       EXPECT_LT(mean.standard_error, 0.004);
     }
   }
+}
+
+// What the study needs of its scene: on smooth metal the levels go from no change to nearly black (what is
+// left is the diffuse seventh), and C4 takes the contact's reflections and some of the silhouette's while the
+// middle, which mirrors the walls, keeps its own.
+TEST(Cafe, LosesLightOnSmoothMetalFromNoneToNearlyAllAndAtC4AboutTheContact) {
+  const Cafe cafe("G0", 3, 300000, Emission::kLambertian, {"MS"}, Illumination::kIndirect);
+  const ShadedPoints cut = cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1, nullptr, 4);
+  // Light of all points, of those in the lowest third of the ball, at silhouettes, and facing the camera.
+  std::vector<std::array<double, 4>> light(kAllClamps.size());
+  for (std::size_t level = 0; level < light.size(); ++level) {
+    for (std::size_t i = 0; i < cafe.points.size(); ++i) {
+      const double value = luminance(cut.radiance[cut.index(0, level, i)]);
+      const float height = cafe.points[i].surface.p.z - 0.4f,
+                  cosine = dot(cafe.points[i].surface.ns, cafe.points[i].v);
+      light[level][0] += value;
+      if (height < 0.3f) light[level][1] += value;
+      if (height > 0.45f && cosine < 0.15f) light[level][2] += value;
+      if (cosine > 0.8f) light[level][3] += value;
+    }
+  }
+  const auto left = [&](std::size_t level, std::size_t part) { return light[level][part] / light[0][part]; };
+  for (std::size_t level = 1; level < light.size(); ++level) EXPECT_LE(left(level, 0), left(level - 1, 0));
+  EXPECT_GT(left(1, 0), 0.98);
+  EXPECT_LT(left(4, 1), 0.8) << "contact";
+  EXPECT_LT(left(4, 2), 0.85) << "silhouettes";
+  EXPECT_GT(left(4, 3), 0.99) << "middle";
+  EXPECT_LT(left(8, 0), 0.5);
+  EXPECT_LT(left(10, 0), 0.2);
 }
 
 // Two codes of one rule: cuts of nearly one size (the fast one starts from its neighbour's thresholds, and
