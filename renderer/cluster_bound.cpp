@@ -124,14 +124,14 @@ float bound_mirror(const LocalBox& box, const GlossCluster& gloss) {
   const AxisSight sight(box);
   const float angle =
       sight.most_height > 0 ? 2 * std::atan(sight.least_tan_half()) : std::acos(sight.most_cosine());
-  const float left = angle - std::acos(gloss.cos_mirror) - kTangentRounding;
+  const float left = angle - gloss.mirror_angle - kTangentRounding;
   const float tan2 = left > 0 ? lower_tan2(std::tan(std::min(left, kPi) / 2)) : 0;
   return std::exp(-std::min(87.0f, tan2 / (gloss.alpha * gloss.alpha))) * (1 + tan2);
 }
 
 // The least cosine of ns with the direction to the point, less what rounds.
 float bound_gloss_cosine(const LocalBox& box, const GlossCluster& gloss) {
-  const float angle = std::acos(AxisSight(box).least_cosine()) + std::acos(gloss.cos_ns) + kTangentRounding;
+  const float angle = std::acos(AxisSight(box).least_cosine()) + gloss.ns_angle + kTangentRounding;
   return angle < kPi / 2 ? std::cos(angle) * (1 - kRounding) : 0;
 }
 

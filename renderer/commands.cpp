@@ -26,6 +26,16 @@ CLI::Validator is_clamp() {
   return CLI::IsMember(levels);
 }
 
+CLI::Validator is_in_range(double least, double most) {
+  return CLI::Validator(
+      [least, most](const std::string& text) {
+        double value = 0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value >= least && value <= most;
+        return fits ? std::string() : fmt::format("expected {} to {}, got {}", least, most, text);
+      },
+      fmt::format("{} to {}", least, most), "range");
+}
+
 CLI::Validator is_seed() {
   return CLI::Validator(
       [](const std::string& text) {

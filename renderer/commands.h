@@ -28,6 +28,9 @@ void add_threads(CLI::App& subcommand, CommandLine& line);
 CLI::Validator is_vpls();
 CLI::Validator is_clamp();
 
+/// Numbers from `least` to `most`; CLI11's own range lets NaN through.
+CLI::Validator is_in_range(double least, double most);
+
 /// Whole numbers that every file can hold; CLI11 alone would wrap or cut others.
 CLI::Validator is_seed();
 

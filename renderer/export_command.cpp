@@ -20,7 +20,10 @@ int write_export(const ExportOptions& options) {
   params.object.illumination = parse_illumination(options.illumination, "--illumination");
   params.view = options.view == "v1" ? 1 : 0;
   check_writable(options.out);
-  const DiffuseScene scene = make_diffuse_scene(load_scene(options.scene_path), params);
+  const Scene source = load_scene(options.scene_path);
+  if (params.object.material.empty())
+    params.object.material = default_material(source, params.object.geometry);
+  const DiffuseScene scene = make_diffuse_scene(source, params);
   save_text(options.out, format_blender_script(scene));
   fmt::print("{}: {} surfaces of {} meshes with {} triangles, {} spots, {} rectangle lights\n", scene.title,
              scene.surfaces.size(), scene.meshes.size(), count_triangles(scene), scene.spots.size(),
@@ -36,14 +39,14 @@ int write_export(const ExportOptions& options) {
 
 void add_export(CLI::App& app, CommandLine& line) {
   auto options = std::make_shared<ExportOptions>();
-  options->params.object = {"G0", "MS", Illumination::kIndirect};
+  options->params.object = {"G0", "", Illumination::kIndirect};
   CLI::App* command =
       app.add_subcommand("export", "Write the diffuse version of a scene as a Python script for Blender");
   command->add_option("scene", options->scene_path, "Scene file")->required();
   command->add_option("--out", options->out, "Python file to write")->required();
   command->add_option("--geometry", options->params.object.geometry, "Geometry of the object (G0)");
   command->add_option("--material", options->params.object.material,
-                      "Material whose diffuse part the object has (MS)");
+                      "Material whose diffuse part the object has (MS; a sculpture's own)");
   command->add_option("--illumination", options->illumination, "ind or dir")
       ->check(CLI::IsMember({"ind", "dir"}));
   command->add_option("--view", options->view, "v0 or v1")->check(CLI::IsMember({"v0", "v1"}));

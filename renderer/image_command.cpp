@@ -1,5 +1,6 @@
 // equilux-render image: one picture of a scene.
 #include <fmt/format.h>
+#include <set>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -40,6 +41,7 @@ CLI::Validator is_object_clamp() {
   return CLI::Validator(
       [](const std::string& text) {
         const ClampChoice choice = split_clamp(text);
+        if (text.starts_with('=')) return fmt::format("expected an object before the =, got {}", text);
         for (int level = 0; level < kClampLevelCount; ++level) {
           if (choice.level == format_clamp(level)) return std::string();
         }
@@ -65,7 +67,7 @@ Camera make_camera(const std::vector<float>& numbers, float fov_degrees) {
   const Camera camera{
       {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, {0, 0, 1}, fov_degrees};
   const Vec3 forward = normalize(camera.target - camera.position);
-  if (length(cross(forward, camera.up)) < 1e-4f)
+  if (!(length(cross(forward, camera.up)) >= 1e-4f))
     throw InputError("--camera", "", "a target that is not above, below or at the position", "one");
   return camera;
 }
@@ -131,13 +133,25 @@ void print_picture(const Picture& picture, const PictureParams& params) {
              picture.paths / (static_cast<double>(params.width) * static_cast<double>(params.height)));
 }
 
+// Before hours of work: each can be written, and none over the scene or another.
+void check_outputs(const ImageOptions& options) {
+  std::set<std::filesystem::path> taken{std::filesystem::weakly_canonical(options.params.scene_path)};
+  for (const auto& [option, path] :
+       {std::pair{"--out", options.out}, {"--png", options.png}, {"--error-png", options.error_png}}) {
+    if (path.empty()) continue;
+    if (!taken.insert(std::filesystem::weakly_canonical(path)).second)
+      throw InputError(option, path.string(), "a file of its own",
+                       "the scene, or what another option writes");
+    check_writable(path);
+  }
+  if (options.layers.empty()) return;
+  make_folder(options.layers);
+  check_writable(options.layers / "background.exr");
+}
+
 int write_image(const ImageOptions& options) {
   const PictureParams params = to_params(options);
-  check_writable(options.out);
-  for (const auto& path : {options.png, options.error_png}) {
-    if (!path.empty()) check_writable(path);
-  }
-  if (!options.layers.empty()) make_folder(options.layers);
+  check_outputs(options);
   const Picture picture = make_picture(params);
   ExrMetadata metadata = make_metadata(options);
   if (picture.objects.size() == 1) add_clamp(metadata, params, picture.objects.front().clamp_per_m2);
@@ -182,9 +196,9 @@ void add_image(CLI::App& app, CommandLine& line) {
   CLI::Option* camera =
       image->add_option("--camera", options->camera, "In place of the view: position and target, six numbers")
           ->expected(6)
-          ->check(CLI::Range(-1e9, 1e9));
+          ->check(is_in_range(-1e9, 1e9));
   image->add_option("--fov", options->fov_degrees, "Vertical field of view with --camera, degrees (40)")
-      ->check(CLI::Range(0.01, 170.0))
+      ->check(is_in_range(0.01, 170))
       ->needs(camera);
   image->add_option("--width", options->params.width, "Pixels (560)")->check(CLI::Range(1, 16384));
   image->add_option("--height", options->params.height, "Pixels (420)")->check(CLI::Range(1, 16384));
@@ -197,7 +211,7 @@ void add_image(CLI::App& app, CommandLine& line) {
           "--noise-target", options->noise_target,
           "In place of --paths: standard error in steps of 255, object mean, object p99, outside mean")
       ->expected(3)
-      ->check(CLI::Range(0.01, 255.0));
+      ->check(is_in_range(0.01, 255));
   image->add_option("--seed", options->params.seed, "Seed, 0 to 9223372036854775807 (1)")->check(is_seed());
   add_threads(*image, line);
   image->footer(

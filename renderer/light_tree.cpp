@@ -72,25 +72,24 @@ std::vector<KeyedIndex> sort_vpls(const std::vector<Vpl>& vpls) {
 
 struct Cone {
   Vec3 axis;
-  float cos_angle = 1;
+  double angle = 0;  // half the cone's. units: radians
 };
 
-// The least cone about two, a little wider for what rounds.
+// The least cone about two, a little wider for what axes in float lose.
 Cone join_cones(const Cone& a, const Cone& b) {
-  if (a.cos_angle <= -1 || b.cos_angle <= -1) return {a.axis, -1};
-  const double between = std::atan2(double{length(cross(a.axis, b.axis))}, double{dot(a.axis, b.axis)});
-  const double angle_a = std::acos(double{a.cos_angle}), angle_b = std::acos(double{b.cos_angle});
-  if (between + angle_b <= angle_a) return a;
-  if (between + angle_a <= angle_b) return b;
-  const double angle = (between + angle_a + angle_b) / 2;
-  if (angle >= std::numbers::pi) return {a.axis, -1};
+  constexpr double kRounding = 5e-7;
+  if (a.axis == b.axis) return {a.axis, std::max(a.angle, b.angle)};
+  const double between =
+      std::atan2(double{length(cross(a.axis, b.axis))}, double{dot(a.axis, b.axis)}) + kRounding;
+  if (between + b.angle <= a.angle) return a;
+  if (between + a.angle <= b.angle) return b;
+  const double angle = (between + a.angle + b.angle) / 2;
   const Vec3 side = normalize(b.axis - a.axis * dot(a.axis, b.axis));
-  if (side == Vec3{}) return {a.axis, -1};
-  const double turn = angle - angle_a;
+  if (angle >= std::numbers::pi || side == Vec3{}) return {a.axis, std::numbers::pi};
+  const double turn = angle - a.angle;
   const Vec3 axis =
       normalize(a.axis * static_cast<float>(std::cos(turn)) + side * static_cast<float>(std::sin(turn)));
-  constexpr double kRounding = 1e-6;
-  return {axis, static_cast<float>(std::cos(std::min(std::numbers::pi, angle + kRounding)))};
+  return {axis, std::min(std::numbers::pi, angle + kRounding)};
 }
 
 // What a node is made from, before it is packed.
@@ -118,7 +117,7 @@ float find_gloss_scale(const VplGloss& gloss) {
 
 Bounds make_bounds(const VplList& list, std::uint32_t index) {
   const Vpl& vpl = list.vpls[index];
-  Bounds bounds{{vpl.p, vpl.p}, {vpl.ng, 1}, {vpl.ng, 1}, {vpl.ng, 1}, 0, 0, weigh_vpl(list, index), index};
+  Bounds bounds{{vpl.p, vpl.p}, {vpl.ng}, {vpl.ng}, {vpl.ng}, 0, 0, weigh_vpl(list, index), index};
   if (vpl.gloss < 0) return bounds;
   const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss)];
   bounds.shading.axis = gloss.ns;
@@ -143,6 +142,8 @@ Bounds join_bounds(const Bounds& a, const Bounds& b, bool keep_first) {
           a.weight + b.weight,
           keep_first ? a.representative : b.representative};
 }
+
+float pack_angle(double angle) { return static_cast<float>(angle) * (1 + 1e-6f); }
 
 // Builds one subtree into nodes whose indices count from its own root.
 class SubtreeBuilder {
@@ -191,8 +192,8 @@ class SubtreeBuilder {
   void store(std::size_t place, const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) {
     nodes[place] = pack(bounds, leaf_count, next);
     if (glossy()) {
-      gloss[place] = {bounds.mirrors.axis, bounds.mirrors.cos_angle,
-                      bounds.shading.axis, bounds.shading.cos_angle,
+      gloss[place] = {bounds.mirrors.axis, pack_angle(bounds.mirrors.angle),
+                      bounds.shading.axis, pack_angle(bounds.shading.angle),
                       bounds.peak,         bounds.alpha};
     }
   }
@@ -229,10 +230,9 @@ std::uint16_t round_up(float value, float origin, float step) {
   return cell;
 }
 
-std::int16_t pack_cosine(float cos_angle) {
-  if (cos_angle <= -1) return -32767;
-  const double angle = std::min(std::numbers::pi, std::acos(double{cos_angle}) + kOctahedralError);
-  return static_cast<std::int16_t>(std::floor(std::cos(angle) * double{kCosineSteps}));
+std::int16_t pack_cosine(double angle) {
+  const double wide = std::min(std::numbers::pi, angle + kOctahedralError);
+  return static_cast<std::int16_t>(std::floor(std::cos(wide) * double{kCosineSteps}));
 }
 
 LightNode SubtreeBuilder::pack(const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) const {
@@ -241,7 +241,7 @@ LightNode SubtreeBuilder::pack(const Bounds& bounds, std::uint16_t leaf_count, s
   return {{round_down(low.x, o.x, s.x), round_down(low.y, o.y, s.y), round_down(low.z, o.z, s.z)},
           {round_up(high.x, o.x, s.x), round_up(high.y, o.y, s.y), round_up(high.z, o.z, s.z)},
           encode_octahedral(bounds.normals.axis),
-          pack_cosine(bounds.normals.cos_angle),
+          pack_cosine(bounds.normals.angle),
           leaf_count,
           bounds.weight,
           bounds.representative,

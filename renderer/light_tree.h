@@ -22,9 +22,10 @@ struct Cluster {
 /// bound_gloss.
 struct GlossCluster {
   Vec3 mirror;
-  float cos_mirror = 1;
+  float mirror_angle =
+      0;  ///< half the cone's; an angle, since a cosine in float is coarse near one. units: radians
   Vec3 ns;
-  float cos_ns = 1;
+  float ns_angle = 0;
   float peak = 0;   ///< 0: none glossy
   float alpha = 0;  ///< the largest
 };

@@ -287,6 +287,11 @@ class PointCut {
     set_base(index);
     kept_.clear();
     open_.clear();
+    if (!job_.params.adaptive) {
+      thresholds_ = find_thresholds();
+      add_nodes({0});
+      return refine();
+    }
     if (has_thresholds_) {
       add_nodes({0});
     } else {
@@ -540,6 +545,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
       cut_block(job, points, first, last, m, shaded, sizes, rays);
     });
   }
+  check_finite(shaded);
   if (record) *record = {std::move(sizes), rays};
   return shaded;
 }

@@ -12,6 +12,9 @@ struct LightcutParams {
   double floor = 0;  ///< of that total: below it nothing could be seen. units: W/(m^2 sr), luminance
   /// Light of other VPLs, which counts in the totals; null: none. shape: as the result
   const ShadedPoints* base = nullptr;
+  /// False: the totals of the rule are those of `base` alone, so that the cut does not depend on the
+  /// representatives and the expectation over tree seeds is exactly the sum.
+  bool adaptive = true;
 };
 
 /// What cuts came to. Sizes count clusters and single VPLs.
@@ -23,10 +26,11 @@ struct CutRecord {
 /// As shade_all_vpls, to within what the ratio allows: in every cluster of the cut
 ///   bound(level, material) <= error_ratio x max(total(level, material), floor),
 /// with the totals that the cut itself gives. No cut is too large. A cluster's light is its representative's,
-/// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum.
-/// Each material has cuts of its own, so that its light does not depend on the others. Sixteen nodes, VPLs or
-/// levels at a time; a point's first thresholds come from the point before it in its block of kCutBlock.
-/// source: Walter et al., "Lightcuts: a scalable approach to illumination", SIGGRAPH 2005.
+/// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum, but
+/// for what totals that depend on the representatives do. Each material has cuts of its own, so that its
+/// light does not depend on the others. Sixteen nodes, VPLs or levels at a time; a point's first thresholds
+/// come from the point before it in its block of kCutBlock. source: Walter et al., "Lightcuts: a scalable
+/// approach to illumination", SIGGRAPH 2005.
 inline constexpr std::size_t kCutBlock = 64;
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
                             const LightTree& tree, const std::vector<Material>& materials,

@@ -44,8 +44,13 @@ class PointCut {
   // Refines until every cluster keeps the rule with the totals of the cut itself.
   void find() {
     if (job_.tree.empty()) return;
-    std::vector<CutMember> open = start();
     std::vector<double> thresholds(cells(), 0);
+    if (!job_.params.adaptive) {
+      set_thresholds({}, thresholds);
+      for (CutMember& member : refine_all({make_cluster(0)}, thresholds)) kept_.push_back(std::move(member));
+      return;
+    }
+    std::vector<CutMember> open = start();
     set_thresholds(open, thresholds);
     while (!open.empty()) {
       open = refine_all(std::move(open), thresholds);
@@ -230,6 +235,7 @@ ShadedPoints shade_lightcut_scalar(const World& world, const std::vector<Shading
     rays += cut.rays();
     store_totals(job, cut, i, shaded);
   });
+  check_finite(shaded);
   if (record) *record = {std::move(sizes), rays};
   return shaded;
 }

@@ -21,13 +21,6 @@ struct PictureScene {
   Primary primary;
 };
 
-const Sculpture* find_sculpture(const Scene& scene, const std::string& name) {
-  for (const Sculpture& sculpture : scene.sculptures) {
-    if (sculpture.name == name) return &sculpture;
-  }
-  return nullptr;
-}
-
 PictureScene make_all_sculptures(const Scene& scene, const PictureParams& params) {
   if (params.material) {
     throw InputError("--material", "", "a geometry to give it to: the scene has sculptures",
@@ -46,8 +39,7 @@ PictureScene make_all_sculptures(const Scene& scene, const PictureParams& params
 
 PictureScene make_one_object(const Scene& scene, const PictureParams& params) {
   const std::string geometry = params.geometry.value_or("G0");
-  const Sculpture* sculpture = find_sculpture(scene, geometry);
-  const std::string material = params.material.value_or(sculpture ? sculpture->material : "MS");
+  const std::string material = params.material.value_or(default_material(scene, geometry));
   World world = make_world(scene, geometry, params.illumination);
   Materials materials = make_materials(world, find_material(scene, material));
   // A set's own, so that its reference is this picture.

@@ -79,7 +79,7 @@ void add_prove(CLI::App& app, CommandLine& line) {
   prove
       ->add_option("--band", params.contact_band,
                    "Share of the object's height above its contact that is left out (0.3)")
-      ->check(CLI::Range(0.0, 0.99));
+      ->check(is_in_range(0, 0.99));
   prove->add_option("--seed", params.seed, "First seed (1)")->check(is_seed());
   add_threads(*prove, line);
   prove->footer("Example: equilux-render prove stimuli/scenes/proof-room.json --geometry G2 --material MR");

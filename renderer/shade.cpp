@@ -221,14 +221,6 @@ std::uint64_t sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator
   return coincident;
 }
 
-// Light that leaves the range of float fails as a whole: none is ever set to zero.
-void check_finite(const std::vector<Vec3>& radiance) {
-  const auto bad = std::count_if(radiance.begin(), radiance.end(), [](Vec3 v) { return !is_finite(v); });
-  if (bad > 0)
-    throw InputError("VPL shading", "", "finite radiance at every point",
-                     fmt::format("{} that are not", bad));
-}
-
 std::uint64_t morton(std::uint32_t x, std::uint32_t y) {
   std::uint64_t code = 0;
   for (unsigned bit = 0; bit < 16; ++bit) {
@@ -282,8 +274,16 @@ ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>&
     progress(static_cast<double>(count) * static_cast<double>(vpls.size()));
   });
   shaded.coincident = coincident;
-  check_finite(shaded.radiance);
+  check_finite(shaded);
   return shaded;
+}
+
+void check_finite(const ShadedPoints& shaded) {
+  const auto bad =
+      std::count_if(shaded.radiance.begin(), shaded.radiance.end(), [](Vec3 v) { return !is_finite(v); });
+  if (bad > 0)
+    throw InputError("VPL shading", "", "finite radiance at every point",
+                     fmt::format("{} that are not", bad));
 }
 
 void add_to_layer(const ShadedPoints& shaded, std::size_t material, std::size_t level,

@@ -50,6 +50,9 @@ ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>&
                             const std::vector<Material>& materials, const std::vector<double>& clamps_per_m2,
                             const std::function<void(double)>& progress, const ShadowRoulette& roulette = {});
 
+/// errors: InputError that counts the points whose radiance is not finite, if any: none is ever set to zero.
+void check_finite(const ShadedPoints& shaded);
+
 /// Adds the points of one material and level to a layer: each counts as its subpixel position's share.
 void add_to_layer(const ShadedPoints& shaded, std::size_t material, std::size_t level,
                   const std::vector<ShadingPoint>& points, int positions, HdrImage& layer);

@@ -75,7 +75,7 @@ std::vector<KindOption> add_kind_options(CLI::App& sheet, SheetOptions& options)
            ->check(CLI::IsMember({"ind", "dir"})),
        by_material},
       {sheet.add_option("--scale", options.request.scale, "Steps of 255 at full colour (32)")
-           ->check(CLI::Range(0.1, 255.0)),
+           ->check(is_in_range(0.1, 255)),
        {"difference"}}};
 }
 

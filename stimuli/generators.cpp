@@ -154,7 +154,7 @@ class FaceDistribution {
  public:
   explicit FaceDistribution(const TriangleMesh& mesh) : mesh_(mesh) {
     double sum = 0;
-    for (const auto& triangle : mesh.triangles) sums_.push_back(sum += length(area_vector(triangle)));
+    for (const auto& triangle : mesh.triangles) sums_.push_back(sum += area_of(triangle));
     EQ_CHECK(sum > 0, mesh.triangles.size());
   }
 
@@ -168,13 +168,23 @@ class FaceDistribution {
     const float root = std::sqrt(random.next_float()), v = random.next_float();
     const Vec3 p = mesh_.positions[a] * (1 - root) + mesh_.positions[b] * (root * (1 - v)) +
                    mesh_.positions[c] * (root * v);
-    return {p, normalize(area_vector(mesh_.triangles[i]))};
+    return {p, normal_of(mesh_.triangles[i])};
   }
 
  private:
-  Vec3 area_vector(const std::array<std::uint32_t, 3>& triangle) const {
+  Vec3 normal_of(const std::array<std::uint32_t, 3>& triangle) const {
     const Vec3 a = mesh_.positions[triangle[0]];
-    return cross(mesh_.positions[triangle[1]] - a, mesh_.positions[triangle[2]] - a);
+    return normalize(
+        cross(normalize(mesh_.positions[triangle[1]] - a), normalize(mesh_.positions[triangle[2]] - a)));
+  }
+
+  // In double: the square of an edge of a tenth of a nanometre leaves float.
+  double area_of(const std::array<std::uint32_t, 3>& triangle) const {
+    const Vec3 a = mesh_.positions[triangle[0]];
+    const Vec3 u = mesh_.positions[triangle[1]] - a, v = mesh_.positions[triangle[2]] - a;
+    const double x = double{u.y} * v.z - double{u.z} * v.y, y = double{u.z} * v.x - double{u.x} * v.z,
+                 z = double{u.x} * v.y - double{u.y} * v.x;
+    return std::sqrt(x * x + y * y + z * z);
   }
 
   const TriangleMesh& mesh_;

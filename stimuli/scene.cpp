@@ -113,6 +113,12 @@ Light make_light(const Json& json, const std::string& source, const std::string&
   return light;
 }
 
+// In float, as it will be used.
+void check_order(double least, double value, const std::string& source, const std::string& place) {
+  if (!(static_cast<float>(value) > static_cast<float>(least)))
+    throw InputError(source, place, fmt::format("over {}", least), fmt::format("{}", value));
+}
+
 void check_outline(const Json& json, const std::string& source, const std::string& place) {
   std::vector<std::array<float, 2>> outline;
   for (const Json& point : json.as_array())
@@ -133,7 +139,15 @@ Json check_mesh(const Json& json, const std::string& source, const std::string& 
                      "exactly one of quad, box, lathe, sweep, extrude, sphere, blob, scatter, file, group",
                      fmt::format("{} of them", kinds));
   }
-  if (const Json* extrude = json.find("extrude")) check_outline(extrude->at("outline"), source, place);
+  if (const Json* extrude = json.find("extrude")) {
+    check_outline(extrude->at("outline"), source, place);
+    check_order(0, extrude->at("height").as_double(), source, place + "/extrude/height");
+  }
+  const Json* scatter = json.find("scatter");
+  if (const Json* scale = scatter ? scatter->find("scale") : nullptr) {
+    if (scale->at(0).as_double() > scale->at(1).as_double())
+      throw InputError(source, place + "/scatter/scale", "the smallest first", "the largest");
+  }
   if (const Json* lathe = json.find("lathe")) {
     const auto& profile = lathe->at("profile").as_array();
     const auto radius = [&](std::size_t i) { return static_cast<float>(profile[i].at(0).as_double()); };
@@ -301,8 +315,8 @@ const std::string& mesh_of(const Scene& scene, const std::string& geometry) {
   if (found != scene.geometries.end()) return found->second;
   std::string known;
   for (const auto& [name, mesh] : scene.geometries) known += (known.empty() ? "" : ", ") + name;
-  throw InputError(scene.path.string(), "/object/geometries", fmt::format("the geometry {}", geometry),
-                   known);
+  throw InputError(scene.path.string(), scene.sculptures.empty() ? "/object/geometries" : "/sculptures",
+                   fmt::format("the geometry {}", geometry), known);
 }
 
 Json material_content(const MaterialSpec& material) {
@@ -411,6 +425,13 @@ const MaterialSpec& find_material(const Scene& scene, const std::string& name) {
     known += (known.empty() ? "" : ", ") + material.name;
   }
   throw InputError(scene.path.string(), "/materials", fmt::format("the material {}", name), known);
+}
+
+std::string default_material(const Scene& scene, const std::string& geometry) {
+  for (const Sculpture& sculpture : scene.sculptures) {
+    if (sculpture.name == geometry) return sculpture.material;
+  }
+  return "MS";
 }
 
 TriangleMesh place_mesh(TriangleMesh mesh, const Placement& placement) {

@@ -110,6 +110,9 @@ Scene load_scene(const std::filesystem::path& path);
 /// errors: InputError naming the scene and what it offers.
 const MaterialSpec& find_material(const Scene& scene, const std::string& name);
 
+/// The material of an object that nobody chose: a sculpture's own, else MS.
+std::string default_material(const Scene& scene, const std::string& geometry);
+
 /// Makes a mesh of the scene by its generator, or reads its file and adds to `repairs`. errors: InputError
 TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs = nullptr);
 

@@ -120,7 +120,9 @@ std::string find_missing_file(const Scene& scene, const std::string& mesh) {
   return missing;
 }
 
-TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs) {
+namespace {
+
+TriangleMesh make_any_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs) {
   const Json& spec = scene.meshes.at(name);
   if (const Json* quad = spec.find("quad")) return make_quad(to_vec(quad->at("u")), to_vec(quad->at("v")));
   if (const Json* box = spec.find("box")) return make_box(to_vec(box->at("size")));
@@ -134,6 +136,24 @@ TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs*
   if (const Json* blob = spec.find("blob")) return make_blob(*blob);
   if (const Json* file = spec.find("file")) return load_scene_mesh(scene, name, *file, repairs);
   return make_group(scene, spec.at("group"), repairs);
+}
+
+bool has_area(const TriangleMesh& mesh) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& triangle) {
+    const Vec3 a = mesh.positions[triangle[0]];
+    return spans_area(mesh.positions[triangle[1]] - a, mesh.positions[triangle[2]] - a);
+  });
+}
+
+}  // namespace
+
+TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs) {
+  TriangleMesh mesh = make_any_mesh(scene, name, repairs);
+  if (!has_area(mesh)) {
+    throw InputError(scene.path.string(), fmt::format("mesh \"{}\"", name), "a mesh with an area in float",
+                     fmt::format("{} triangles of none", mesh.triangles.size()));
+  }
+  return mesh;
 }
 
 }  // namespace equilux

@@ -29,11 +29,12 @@ Vec3 draw_point(RandomStream& random, float scale) {
 VplList draw_vpls(int count, std::uint64_t seed, bool glossy) {
   RandomStream random(seed, "vpls", 0);
   VplList list;
-  Vec3 heap, facing{0, 0, 1};
+  Vec3 heap, facing{0, 0, 1}, coming{0, 0, 1};
   for (int i = 0; i < count; ++i) {
     if (i % 50 == 0) {
       heap = draw_point(random, 3);
       facing = draw_direction(random);
+      coming = draw_direction(random);
     }
     const float spread = std::pow(10.0f, -4 * random.next_float());
     Vpl vpl;
@@ -42,11 +43,12 @@ VplList draw_vpls(int count, std::uint64_t seed, bool glossy) {
     vpl.intensity = {random.next_float(), random.next_float(), 0.01f + random.next_float()};
     if (glossy && i % 3 == 0) {
       vpl.gloss = static_cast<std::int32_t>(list.gloss.size());
-      const Vec3 ns = normalize(vpl.ng + draw_direction(random) * 0.05f);
-      Vec3 wi = draw_direction(random);
+      const Vec3 ns = normalize(vpl.ng + draw_direction(random) * 0.05f * spread);
+      Vec3 wi = normalize(coming + draw_direction(random) * spread);
       if (dot(wi, ns) < 0) wi = -wi;
       const auto model = static_cast<GlossModel>(random.next_below(3));
-      list.gloss.push_back({ns, wi, {0.5f, 0.2f, 0.1f}, 0.02f + 0.3f * random.next_float(), model});
+      const float alpha = std::pow(10.0f, -4 * random.next_float());
+      list.gloss.push_back({ns, wi, {0.5f, 0.2f, 0.1f}, alpha, model});
     }
     list.vpls.push_back(vpl);
   }
@@ -93,7 +95,10 @@ TEST_P(Trees, HoldEveryVplOnceWithinTheBoundsOfAllNodesAboveIt) {
     seen[index] += node == 0;
     if (vpl.gloss < 0) return;
     const VplGloss& gloss = tree.vpls.gloss[static_cast<std::size_t>(vpl.gloss)];
-    ASSERT_GE(dot(tree.gloss[node].ns, gloss.ns), tree.gloss[node].cos_ns - 1e-6f);
+    const auto angle = [](Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); };
+    const Vec3 mirror = normalize(gloss.ns * (2 * dot(gloss.ns, gloss.wi)) - gloss.wi);
+    ASSERT_LE(angle(tree.gloss[node].ns, gloss.ns), tree.gloss[node].ns_angle + 5e-7f);
+    ASSERT_LE(angle(tree.gloss[node].mirror, mirror), tree.gloss[node].mirror_angle + 5e-7f);
     ASSERT_GE(tree.gloss[node].alpha, gloss.alpha);
   });
   for (int count : seen) EXPECT_EQ(count, 1);
@@ -181,7 +186,13 @@ ShadingPoint draw_shading_point(RandomStream& random, const LightTree& tree) {
   ShadingPoint point;
   const Vpl& near = tree.vpls.vpls[random.next_below(tree.vpls.size())];
   const float away = std::pow(10.0f, 1 - 6 * random.next_float());
-  point.surface.p = near.p + draw_direction(random) * away;
+  Vec3 towards = draw_direction(random);
+  if (near.gloss >= 0 && random.next_below(2) == 0) {
+    const VplGloss& gloss = tree.vpls.gloss[static_cast<std::size_t>(near.gloss)];
+    const Vec3 mirror = gloss.ns * (2 * dot(gloss.ns, gloss.wi)) - gloss.wi;
+    towards = normalize(mirror + towards * (2 * gloss.alpha));
+  }
+  point.surface.p = near.p + towards * away;
   point.surface.ns = point.surface.ng = draw_direction(random);
   const Frame frame(point.surface.ns);
   const float z = random.next_below(2) == 0 ? random.next_float() : 1e-3f * random.next_float();

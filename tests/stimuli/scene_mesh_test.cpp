@@ -134,5 +134,27 @@ TEST(ViewCameras, AreFifteenDegreesApartAboutTheVerticalThroughTheStand) {
   }
 }
 
+// What a lathe of its axis, a quad without a side and a sphere beyond float come to is not a mesh, wherever
+// used.
+TEST(MakeMesh, WithoutAnAreaIsRefusedByName) {
+  const TempFolder folder;
+  const auto refusal = [&](const char* mesh) {
+    const Json json = with(make_small_scene(), "/meshes/4", parse_json(mesh, "mesh"));
+    const Scene scene = load_scene_of(folder, json);
+    return message_of<InputError>([&] { make_mesh(scene, "pair"); });
+  };
+  const std::string name = R"("name": "pair", )";
+  for (const std::string mesh :
+       {R"("lathe": {"profile": [[0, 0], [0, 1]], "segments": 8}})",
+        R"("quad": {"u": [1, 0, 0], "v": [2, 0, 0]}})", R"("sphere": {"radius": 1e-50, "subdivisions": 1}})"})
+    EXPECT_THAT(refusal(("{" + name + mesh).c_str()),
+                testing::HasSubstr("mesh \"pair\": expected a mesh with an area"));
+  const std::string tiny = R"("scatter": {"mesh": "post", "over": "ball", "count": 2, "seed": 1}})";
+  Json json = with(make_small_scene(), "/meshes/4", parse_json("{" + name + tiny, "mesh"));
+  json = with(json, "/meshes/0/sphere/radius", 1e-25);
+  EXPECT_EQ(make_mesh(load_scene_of(folder, json), "pair").triangles.size(),
+            2 * make_mesh(load_scene_of(folder, json), "post").triangles.size());
+}
+
 }  // namespace
 }  // namespace equilux
