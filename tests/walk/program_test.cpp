@@ -211,6 +211,13 @@ TEST_F(ProgramInput, NamesWrongValuesOfPictures) {
   expect_usage_error("render", with_words({"--vpls", "1k"}));
   expect_usage_error("render", with_words({"--clamp", "C4"}));
   expect_usage_error("render", with_words({"--emission", "full"}));
+  expect_usage_error("render", with_words({"--method", "vpl", "--clamp", "=C4"}));
+  expect_usage_error("render", with_words({"--camera", "0", "-3", "1", "0", "0", "nan"}));
+  expect_usage_error("render", with_words({"--noise-target", "nan", "1", "1"}));
+  expect_usage_error("render", with_words({"--fov", "40"}));
+  expect_input_error("render", with_words({"--camera", "0", "0", "1", "0", "0", "2"}), "--camera");
+  expect_input_error("render", with_words({"--method", "vpl", "--clamp", "Ball=C4"}), "Ball");
+  expect_input_error("render", with_words({"--png", path("a.exr")}), path("a.exr"));
   EXPECT_FALSE(fs::exists(path("a.exr")));
 }
 
@@ -231,7 +238,7 @@ TEST_F(ProgramInput, LeavesNoHalfOfAnExportOnAFullDisk) {
   EXPECT_EQ(full.exit_code, 1);
   EXPECT_THAT(full.err, HasSubstr(path("a.py")));
   EXPECT_TRUE(fs::is_empty(temporary_.path()));
-  EXPECT_THAT(run_well("render", words), AllOf(HasSubstr("21 spots"), HasSubstr(path("a.py"))));
+  EXPECT_THAT(run_well("render", words), AllOf(HasSubstr("31 spots"), HasSubstr(path("a.py"))));
   EXPECT_TRUE(load_text(path("a.py")).ends_with("render()\n"));
 }
 
