@@ -151,9 +151,9 @@ TEST(PlantedWalk, DropsAColumnThatIsNeverFreeOfArtifacts) {
 TEST(PlantedWalk, ExpectsWhatTheRulesSay) {
   const TemporaryFolder temporary;
   const auto findings = load_planted_findings(make_fake_study(temporary.path(), "pocket"));
-  const PlantedFinding& none = findings.at("G0 MS ind 1000");  // free from C7, same to C3
-  EXPECT_EQ(none.artifact_cut, 7);
-  EXPECT_THAT(none.kept, ElementsAre(7, 9, 10));
+  const PlantedFinding& none = findings.at("G0 MS ind 1000");  // free from C10, same to C3
+  EXPECT_EQ(none.artifact_cut, 10);
+  EXPECT_THAT(none.kept, ElementsAre(10));
   EXPECT_EQ(none.material_cut, std::nullopt);
   EXPECT_THAT(none.green, IsEmpty());
   const PlantedFinding& some = findings.at("G2 GS ind 10000");  // free from C4, same to C8

@@ -78,7 +78,9 @@ void add_cuts(const std::vector<Record>& thresholds, const std::map<std::string,
     if (row.at("experiment") != "artifact" || row.at("rule") != "paper") continue;
     const PlantedFinding& finding = findings.at(column_name(row));
     Histogram& histogram = spread.cuts.try_emplace(finding.visible, Histogram(5)).first->second;
-    histogram.at(static_cast<std::size_t>(*parse_cut(row.at("cut")) - finding.first)) += 1;
+    // None stands behind C10, which is the last of a window here.
+    const int cut = parse_cut(row.at("cut")).value_or(kClampLevelCount);
+    histogram.at(static_cast<std::size_t>(cut - finding.first)) += 1;
   }
 }
 
