@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(StudyMaterials, ProofRoom,
                          testing::Values(ProofCase{"G0", 64, kStudyMaterials},
                                          ProofCase{"G1", 3072, kStudyMaterials},
                                          ProofCase{"G2", 3840, kStudyMaterials},
-                                         ProofCase{"G3", 3072, kStudyMaterials}),
+                                         ProofCase{"G3", 10240, kStudyMaterials}),
                          name_of);
 
 INSTANTIATE_TEST_SUITE_P(OtherModels, ProofRoom,
