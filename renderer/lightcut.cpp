@@ -280,7 +280,8 @@ class PointCut {
  public:
   explicit PointCut(const CutJob& job) : job_(job) {}
 
-  // Thresholds stay from the point before; none yet: they come from the top of the tree.
+  // From the top of the tree, which most cuts lie below: cuts of few clusters err by too much. Thresholds
+  // stay from the point before; none yet: they come from the top.
   void find(const ShadingPoint& point, std::size_t index) {
     point_ = &point;
     frame_.emplace(make_bound_point(point));
@@ -292,13 +293,9 @@ class PointCut {
       add_nodes({0});
       return refine();
     }
-    if (has_thresholds_) {
-      add_nodes({0});
-    } else {
-      add_nodes(job_.top);
-      thresholds_ = find_thresholds();
-      has_thresholds_ = true;
-    }
+    add_nodes(job_.top);
+    if (!has_thresholds_) thresholds_ = find_thresholds();
+    has_thresholds_ = true;
     refine();
     for (;;) {
       const Floats wanted = find_thresholds();
@@ -488,7 +485,7 @@ class PointCut {
   std::uint64_t rays_ = 0;
 };
 
-// Some hundred clusters from level by level, for first thresholds.
+// Some hundred clusters from level by level.
 std::vector<std::uint32_t> find_top(const LightTree& tree) {
   constexpr std::size_t kEnough = 256;
   std::vector<std::uint32_t> top{0};

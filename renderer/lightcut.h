@@ -19,7 +19,7 @@ struct LightcutParams {
 
 /// What cuts came to. Sizes count clusters and single VPLs.
 struct CutRecord {
-  std::vector<std::uint32_t> sizes;  ///< of each point
+  std::vector<std::uint32_t> sizes;  ///< of each point, over all its cuts
   std::uint64_t shadow_rays = 0;
 };
 

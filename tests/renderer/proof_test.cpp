@@ -32,16 +32,17 @@ struct ProofCase {
   const char* geometry;
   int own_sets;
   std::vector<const char*> materials;
-  double seen = .005;  ///< bias found with 90 % power at level 1 %, relative
+  double seen_on_ms =
+      .005;  ///< bias found with 90 % power at level 1 %, relative; on the others half a per cent
 };
 
 // What stands beside a test's name in a list of tests.
 void PrintTo(const ProofCase& how, std::ostream* stream) { *stream << how.geometry; }
 
-// Half a per cent is seen for every material and geometry (checked), but six tenths on G3, where smooth metal
-// mirrors itself: rare paths between narrow lobes carry so much that more sets hardly narrow the spread. Seed
-// 1, 448 VPL sets of 4,000 particles shared by the materials, and more of those that met the object; level 1
-// % over all 26 cases.
+// Half a per cent is seen for every material and geometry (checked), but six tenths for MS on G3, where
+// smooth metal mirrors itself: rare paths between narrow lobes carry so much that more sets hardly narrow the
+// spread. Seed 1, 448 VPL sets of 4,000 particles shared by the materials, and more of those that met the
+// object; level 1 % over all 26 cases.
 class ProofRoom : public testing::TestWithParam<ProofCase> {};
 
 TEST_P(ProofRoom, UnclampedSumsWithFullEmissionAgreeWithThePathTracer) {
@@ -60,7 +61,8 @@ TEST_P(ProofRoom, UnclampedSumsWithFullEmissionAgreeWithThePathTracer) {
     const ProofEstimate difference = find_relative_difference(proofs[i].full, proofs[i].paths);
     const std::string text = fmt::format("{:.5f} +- {:.5f}", difference.mean, difference.standard_error);
     EXPECT_GT(p_of(difference), .01 / 26) << how.materials[i] << ": " << text;
-    EXPECT_LT(kErrorsToSee * difference.standard_error, how.seen) << how.materials[i];
+    const double seen = std::string(how.materials[i]) == "MS" ? how.seen_on_ms : .005;
+    EXPECT_LT(kErrorsToSee * difference.standard_error, seen) << how.materials[i];
     RecordProperty(how.materials[i], text);
   }
 }
