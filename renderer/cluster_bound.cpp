@@ -7,12 +7,9 @@ namespace equilux {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Relative to the vectors that are rotated: what a dot product of floats may lose.
-constexpr float kRotationRounding = 1e-6f;
-// What directions that are normalised in float may lose of a tangent.
-constexpr float kTangentRounding = 1e-6f;
-// What the sums and products of a bound and of the value it bounds may lose.
-constexpr float kRounding = 1e-4f;
+constexpr float kRotationRounding = BoundSlack::kRotation;
+constexpr float kTangentRounding = BoundSlack::kTangent;
+constexpr float kRounding = BoundSlack::kRelative;
 
 float widen(float bound) { return bound * (1 + kRounding); }
 

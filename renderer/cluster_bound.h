@@ -8,6 +8,16 @@
 
 namespace equilux {
 
+/// By how much bounds are rounded outwards.
+struct BoundSlack {
+  static constexpr float kRotation =
+      1e-6f;  ///< of the vectors that are rotated: what a dot product of floats loses
+  static constexpr float kTangent =
+      1e-6f;  ///< what directions that are normalised in float lose of a tangent
+  static constexpr float kRelative =
+      1e-4f;  ///< what sums and products of a bound, and of what it bounds, lose
+};
+
 /// What bounds need of a shading point, made once for all clusters.
 struct BoundPoint {
   Vec3 p;
