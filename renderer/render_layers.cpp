@@ -203,10 +203,14 @@ double find_floor(const VplJob& job, const std::string& material) {
   const GroupJob& group = job.group;
   const Family family{{job.key.geometry, material, job.key.illumination}, job.view};
   const auto load = [&](const char* content) { return group.store.load(layer_name(family, content)); };
-  const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect");
-  const ToneRecord tone = make_tone_curve(composite({&background, &direct, &indirect}), load("coverage"),
-                                          group.study.exposure, group.study.tone_key);
-  return find_radiance_of_step(tone, 0.25);
+  const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect"),
+                 coverage = load("coverage"), reference = composite({&background, &direct, &indirect});
+  const auto floor = [&](Exposure exposure) {
+    return find_radiance_of_step(make_tone_curve(reference, coverage, exposure, group.study.tone_key), 0.25);
+  };
+  // A black background shows nothing; without a floor a point in the dark would take every VPL.
+  const double seen = floor(group.study.exposure);
+  return seen > 0 ? seen : floor(Exposure::kWhole);
 }
 
 // Each material by cuts of its own through a shared tree, at all levels of the study whatever is missing: so
