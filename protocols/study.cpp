@@ -116,6 +116,7 @@ Study load_study(const fs::path& path) {
     study.clamp_levels.push_back(parse_clamp_level(text, source, "/clamp_levels"));
   }
   std::sort(study.clamp_levels.begin(), study.clamp_levels.end());
+  if (const Json* certified = json.find("certified")) study.certified = certified->as_bool();
   if (const Json* normalise = json.find("normalise")) study.normalise = normalise->as_bool();
   study.view_mode =
       json.at("view_mode").as_string() == "pair_turned" ? ViewMode::kPairTurned : ViewMode::kReferenceTurned;

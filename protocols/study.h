@@ -70,6 +70,7 @@ struct Study {
   double tone_key = 0.18;
   Exposure exposure = Exposure::kBackground;
   std::vector<int> clamp_levels;
+  bool certified = false;  ///< lightcuts are refined until 99 % of the points measured err by under 1 %
   bool normalise = false;  ///< every VPL picture is luminance-normalised (key C4n)
   ViewMode view_mode = ViewMode::kReferenceTurned;
   std::vector<std::string> reference_materials;  ///< artifact trials: where a geometry has no other material

@@ -29,7 +29,7 @@ bool LayerStore::is_other(const std::string& name, const std::string& recipe) co
 }
 
 void LayerStore::save(const std::string& name, const std::string& recipe, const HdrImage& image,
-                      ExrMetadata metadata, std::int64_t vpl_count) {
+                      ExrMetadata metadata, const VplRecord& vpls) {
   const std::string file = "layers/" + name + ".exr";
   metadata["equilux_layer"] = name;
   metadata["equilux_study"] = layers_.study_name;
@@ -37,7 +37,8 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
   metadata["equilux_made_from"] = recipe;
   metadata["equilux_unit"] = "W/(m^2 sr)";
   save_exr(image, metadata, folder_.root / file);
-  layers_.by_name[name] = {file, digest_file(folder_.root / file), recipe, vpl_count};
+  layers_.by_name[name] = {file,           digest_file(folder_.root / file), recipe, vpls.count, vpls.vpls,
+                           vpls.errors_1e5};
 }
 
 HdrImage LayerStore::load(const std::string& name) const {

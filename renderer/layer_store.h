@@ -9,6 +9,12 @@
 
 namespace equilux {
 
+/// What a VPL layer's record says beside its file, see LayerRecord.
+struct VplRecord {
+  std::int64_t count = 0;
+  Json vpls, errors_1e5;
+};
+
 /// Keeps layers.json in step with the files: a layer is recorded after it stands under its name.
 class LayerStore {
  public:
@@ -23,7 +29,7 @@ class LayerStore {
   bool is_other(const std::string& name, const std::string& recipe) const;
 
   void save(const std::string& name, const std::string& recipe, const HdrImage& image, ExrMetadata metadata,
-            std::int64_t vpl_count = 0);
+            const VplRecord& vpls = {});
 
   /// Writes layers.json. Called after each group of layers and at the end.
   void save_record() const { save_layers(layers_, folder_.layers()); }

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "renderer/lightcut.h"
+#include "renderer/cut_error.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
 #include "renderer/wanted.h"
@@ -87,19 +87,23 @@ struct Lights {
 
 // The object's layer at its own clamp, and unclamped where it is to be normalised to that.
 HdrImage shade_object(const PictureScene& scene, const PictureParams& params, std::int32_t object,
-                      const Lights& lights, Progress& progress) {
+                      const Lights& lights, Progress& progress, std::optional<CutMeasures>& measures) {
   const auto points = find_shading_points(scene.primary, object);
   const auto index = static_cast<std::size_t>(object);
   std::vector<double> clamps{clamp_of(params, scene.world.objects()[index])};
   if (params.normalise) clamps.push_back(std::numeric_limits<double>::infinity());
-  const std::vector<Material> material{scene.materials[index]};
-  const ShadedPoints shaded = lights.tree.empty()
-                                  ? shade_all_vpls(scene.world, points, lights.list, material, clamps,
-                                                   [&](double pairs) { progress.advance(pairs); })
-                                  : shade_lightcut(scene.world, points, lights.tree, material, clamps,
-                                                   {kErrorRatio, lights.floor, nullptr});
-  if (!lights.tree.empty())
+  const Material& material = scene.materials[index];
+  ShadedPoints shaded;
+  if (lights.tree.empty()) {
+    shaded = shade_all_vpls(scene.world, points, lights.list, {material}, clamps,
+                            [&](double pairs) { progress.advance(pairs); });
+  } else {
+    MeasuredCut cut = shade_measured({scene.world, points, {&lights.tree}, material, clamps},
+                                     {kErrorRatio, lights.floor, params.certified}, params.seed);
     progress.advance(static_cast<double>(points.size()) * static_cast<double>(lights.tree.vpls.size()));
+    shaded = std::move(cut.shaded);
+    measures = std::move(cut.measures);
+  }
   std::vector<HdrImage> layers(clamps.size(), HdrImage(scene.primary.width, scene.primary.height));
   for (std::size_t level = 0; level < clamps.size(); ++level)
     add_to_layer(shaded, 0, level, points, scene.primary.positions, layers[level]);
@@ -118,7 +122,8 @@ void shade_objects(const PictureScene& scene, const PictureParams& params, Pictu
   for (const PrimaryHit& hit : scene.primary.hits) points += hit.kind == PrimaryKind::kObject;
   Progress progress("shading", points * static_cast<double>(picture.vpl_count));
   for (std::size_t i = 0; i < picture.objects.size(); ++i)
-    picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), lights, progress);
+    picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), lights, progress,
+                                               picture.objects[i].measures);
 }
 
 ReferenceParams make_params(const PictureParams& params, const std::string& stream_name) {
@@ -159,8 +164,12 @@ HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& param
     TracedLayers traced = trace(part);
     add_in_quadrature(standard_error, combine_standard_errors(traced));
     const std::string& name = scene.world.objects()[i];
-    picture.objects.push_back({name, clamp_of(params, name), make_coverage(part),
-                               std::move(traced.direct.mean), std::move(traced.indirect.mean)});
+    picture.objects.push_back({name,
+                               clamp_of(params, name),
+                               make_coverage(part),
+                               std::move(traced.direct.mean),
+                               std::move(traced.indirect.mean),
+                               {}});
   }
   return standard_error;
 }

@@ -37,8 +37,7 @@ bool PictureStore::is_whole(const std::string& key, const std::string& made_from
   return is_file(path) && digest_file(path) == found->second.digest;
 }
 
-void PictureStore::save(const std::string& key, const std::string& made_from, const LdrImage& picture,
-                        Json standard_error) {
+void PictureStore::save(const std::string& key, const std::string& made_from, const LdrImage& picture) {
   const std::string bytes = encode_png(picture);
   const std::string digest = digest_text(bytes);
   const auto found = manifest_.pictures.find(key);
@@ -47,7 +46,13 @@ void PictureStore::save(const std::string& key, const std::string& made_from, co
   }
   const std::string file = "pictures/" + key + ".png";
   save_text(folder_.root / file, bytes);
-  manifest_.pictures[key] = {file, digest, made_from, std::move(standard_error)};
+  manifest_.pictures[key] = {file, digest, made_from, {}, {}};
+}
+
+void PictureStore::set_error(const std::string& key, Json standard_error, Json vpls) {
+  PictureRecord& record = manifest_.pictures.at(key);
+  record.standard_error = std::move(standard_error);
+  record.vpls = std::move(vpls);
 }
 
 void PictureStore::set_tone(const std::string& reference_key, const ToneRecord& tone) {

@@ -25,8 +25,10 @@ class PictureStore {
   bool is_whole(const std::string& key, const std::string& made_from) const;
 
   /// errors: InputError if the picture may have been shown and is another now; StoreError.
-  void save(const std::string& key, const std::string& made_from, const LdrImage& picture,
-            Json standard_error);
+  void save(const std::string& key, const std::string& made_from, const LdrImage& picture);
+
+  /// What the record of a picture that is there says of its error: of a reference, else of a VPL picture.
+  void set_error(const std::string& key, Json standard_error, Json vpls);
 
   void set_tone(const std::string& reference_key, const ToneRecord& tone);
 

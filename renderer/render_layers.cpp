@@ -1,13 +1,12 @@
 // The renderer's order of work: geometry and illumination, then view, then family or VPL count.
 #include "renderer/render_layers.h"
 
-#include <chrono>
-
 #include "base/error.h"
 #include "base/progress.h"
-#include "renderer/lightcut.h"
+#include "renderer/cut_error.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
+#include "renderer/stopwatch.h"
 
 namespace equilux {
 namespace {
@@ -33,20 +32,6 @@ std::map<GroupKey, MissingLayers> group_layers(const MissingLayers& missing) {
   }
   return groups;
 }
-
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() {
-    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 // Work of a group, from a small picture of what the camera sees. units: paths
 double estimate_work(const Study& study, const Scene& scene, const World& world,
@@ -148,12 +133,16 @@ VplSet trace_set(const VplJob& job, const std::string& material) {
                     stream, job.group.study.emission);
 }
 
-// Of one material, from the light of shared and of own VPLs; `index` is its place in the shared light.
+// Light of one of the materials that it was made for.
+struct LightPart {
+  const ShadedPoints& shaded;
+  std::size_t material;
+};
+
+// A material's light as the sum of its parts; `record` tells of a level.
 struct MaterialLight {
-  const ShadedPoints& shared;
-  std::size_t index;
-  const ShadedPoints& own;
-  std::int64_t vpl_count;
+  std::vector<LightPart> parts;
+  std::function<VplRecord(std::size_t)> record;
 };
 
 void save_vpl_layers(const VplJob& job, const std::string& material, const std::vector<int>& levels,
@@ -164,12 +153,13 @@ void save_vpl_layers(const VplJob& job, const std::string& material, const std::
     if (!job.wanted.at(material).contains(levels[level])) continue;
     const Condition condition = make_condition(job.key, material, job.vpl_count, levels[level], job.view);
     HdrImage layer(job.primary.width, job.primary.height);
-    add_to_layer(light.shared, light.index, level, job.points, job.primary.positions, layer);
-    add_to_layer(light.own, 0, level, job.points, job.primary.positions, layer);
+    for (const LightPart& part : light.parts)
+      add_to_layer(part.shaded, part.material, level, job.points, job.primary.positions, layer);
+    const VplRecord record = light.record(level);
     group.store.save(vpl_layer_name(condition), digest_vpl_recipe(group.recipes, condition), layer,
                      {{"equilux_clamp_per_m2", fmt::format("{}", clamp_per_m2(levels[level]))},
-                      {"equilux_vpl_count", fmt::format("{}", light.vpl_count)}},
-                     light.vpl_count);
+                      {"equilux_vpl_count", fmt::format("{}", record.count)}},
+                     record);
   }
 }
 
@@ -193,7 +183,11 @@ void render_plain_sums(const VplJob& job) {
   std::size_t index = 0;
   for (const auto& [material, some] : job.wanted) {
     const ShadedPoints own = shade(sets[index].own, {materials[index]}, 0);
-    save_vpl_layers(job, material, levels, {shared, index, own, sets[index].count()});
+    Json vpls;
+    vpls.set("method", "plain sum").set("shadow_rays", shared.rays + own.rays);
+    const VplRecord record{sets[index].count(), std::move(vpls), {}};
+    save_vpl_layers(job, material, levels,
+                    {{{shared, index}, {own, 0}}, [&](std::size_t) { return record; }});
     ++index;
   }
 }
@@ -222,7 +216,7 @@ void render_lightcuts(const VplJob& job) {
   const LightTreeParams tree_params{group.study.seed, 4};
   LightTree shared_tree;
   for (const auto& [name, some] : job.wanted) {
-    const std::vector<Material> material{make_material(find_material(group.scene, name))};
+    const Material material = make_material(find_material(group.scene, name));
     VplSet set = trace_set(job, name);
     const std::int64_t count = set.count();
     LightTree own_tree;
@@ -231,16 +225,17 @@ void render_lightcuts(const VplJob& job) {
       if (shared_tree.empty()) shared_tree = make_light_tree(std::move(set.shared), tree_params);
       own_tree = make_light_tree(std::move(set.own), tree_params);
     }
-    LightcutParams params{kErrorRatio, find_floor(job, name), nullptr};
-    ShadedPoints shared, own;
-    {
-      const Stopwatch watch(group.seconds["VPL shading"]);
-      shared = shade_lightcut(group.world, job.points, shared_tree, material, clamps, params);
-      params.base = &shared;
-      own = shade_lightcut(group.world, job.points, own_tree, material, clamps, params);
-    }
+    const MeasuredCut cut =
+        shade_measured({group.world, job.points, {&shared_tree, &own_tree}, material, clamps},
+                       {kErrorRatio, find_floor(job, name), group.study.certified}, group.study.seed);
+    group.seconds["VPL shading"] += cut.measures.seconds_cut;
+    group.seconds["measured error"] += cut.measures.seconds_measured;
     group.progress.advance(kCutCost * static_cast<double>(job.points.size()));
-    save_vpl_layers(job, name, levels, {shared, 0, own, count});
+    save_vpl_layers(
+        job, name, levels,
+        {{{cut.shaded, 0}}, [&](std::size_t level) {
+           return VplRecord{count, make_json(cut.measures, level), make_pool(cut.measures, level)};
+         }});
   }
 }
 

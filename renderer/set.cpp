@@ -137,6 +137,30 @@ Json make_json(const DisplayNoise& noise) {
   return json;
 }
 
+// What a layer's record says of its VPLs, as a picture's does.
+Json tell_vpls(const LayerRecord& layer) {
+  if (layer.vpls.is_null()) return {};
+  Json json;
+  json.set("count", layer.vpl_count);
+  for (const auto& [name, value] : layer.vpls.as_object()) json.set(name, value);
+  return json;
+}
+
+// The errors measured of all pictures by cuts, pooled over levels and materials.
+void pool_errors(const LayerStore& store, const std::vector<Condition>& conditions, SetSummary& summary) {
+  std::map<std::int64_t, std::map<std::string, const Json*>> pools;  // by count, then by layer
+  for (const Condition& condition : conditions) {
+    const std::string name = vpl_layer_name(condition);
+    const Json& errors = store.record(name).errors_1e5;
+    if (!errors.is_null()) pools[condition.cell.column.vpl_count][name] = &errors;
+  }
+  for (const auto& [count, by_layer] : pools) {
+    std::vector<const Json*> all;
+    for (const auto& [name, errors] : by_layer) all.push_back(errors);
+    summary.cut_errors[count] = summarise_pools(all);
+  }
+}
+
 bool is_black(const HdrImage& image) {
   return std::all_of(image.values.begin(), image.values.end(), [](float value) { return value == 0; });
 }
@@ -159,20 +183,20 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   warn_of_emptiness(loaded, key, summary);
   pictures.set_tone(key, loaded.tone);
   const auto write = [&](const std::string& picture_key, const std::string& made_from,
-                         const auto& make_indirect, Json standard_error) {
+                         const auto& make_indirect) {
     ++summary.pictures;
     if (pictures.is_whole(picture_key, made_from)) return;
     const HdrImage indirect = make_indirect();
-    pictures.save(picture_key, made_from, apply_tone_curve(composite({&loaded.base, &indirect}), loaded.tone),
-                  std::move(standard_error));
+    pictures.save(picture_key, made_from,
+                  apply_tone_curve(composite({&loaded.base, &indirect}), loaded.tone));
     ++summary.pictures_written;
   };
-  write(
-      key, digest_text(loaded.digests), [&] { return loaded.indirect; }, make_json(loaded.noise));
+  write(key, digest_text(loaded.digests), [&] { return loaded.indirect; });
+  pictures.set_error(key, make_json(loaded.noise), {});
   for (const Condition& condition : conditions) {
-    write(
-        format_key(condition), digest_text(loaded.digests + " " + vpl_digests(store, condition)),
-        [&] { return load_vpl_layer(store, condition); }, Json());
+    write(format_key(condition), digest_text(loaded.digests + " " + vpl_digests(store, condition)),
+          [&] { return load_vpl_layer(store, condition); });
+    pictures.set_error(format_key(condition), {}, tell_vpls(store.record(vpl_layer_name(condition))));
   }
 }
 
@@ -190,6 +214,7 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
     progress.advance(1);
   }
   pictures.save_record();
+  pool_errors(store, wanted.conditions, summary);
   summary.seconds["pictures"] += seconds_since(start);
 }
 
@@ -240,6 +265,16 @@ std::string format_summary(const SetSummary& summary) {
   for (const auto& [key, noise] : summary.noise) {
     text += fmt::format("{:<22}{:>12.2f}{:>12.2f}{:>14.2f}  {}\n", key, noise.object_mean, noise.object_p99,
                         noise.outside_mean, meets_target(noise, target) ? "MET" : "MISSED");
+  }
+  if (!summary.cut_errors.empty()) {
+    text += fmt::format(
+        "\nError of lightcuts at the points drawn, per cent of the "
+        "luminance\n{:<22}{:>12}{:>12}{:>12}{:>14}\n",
+        "VPLs", "points", "rms", "p99", "max");
+    for (const auto& [count, error] : summary.cut_errors) {
+      text += fmt::format("{:<22}{:>12}{:>12.2f}{:>12.2f}{:>14.2f}\n", format_vpl_count(count), error.points,
+                          100 * error.rms, 100 * error.p99, 100 * error.max);
+    }
   }
   for (const std::string& warning : summary.warnings) text += "warning: " + warning + "\n";
   return text;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/study.h"
+#include "renderer/cut_error.h"
 #include "renderer/tone.h"
 
 namespace equilux {
@@ -25,7 +26,8 @@ struct SetSummary {
   std::map<std::string, double> seconds;
   std::map<std::string, DisplayNoise> noise;  ///< by key of the reference
   NoiseTarget target;
-  std::vector<std::string> warnings;  ///< what is legal and hardly ever meant
+  std::map<std::int64_t, ErrorSummary> cut_errors;  ///< by VPL count, pooled over pictures by cuts
+  std::vector<std::string> warnings;                ///< what is legal and hardly ever meant
 };
 
 /// Renders what is missing, then tone-maps. What is whole on disk and made from the same is kept; a run that

@@ -195,18 +195,22 @@ bool survives(const ShadeJob& job, const PointGroup& group, std::size_t index, S
   return true;
 }
 
-// Gives the number of VPLs that lie on a point.
-std::uint64_t sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator& accumulator) {
-  std::uint64_t coincident = 0;
+struct PairCounts {
+  std::uint64_t coincident = 0, rays = 0;
+};
+
+PairCounts sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator& accumulator) {
+  PairCounts counts;
   const auto sum_vpl = [&](std::size_t i) {
     Sight sight;
-    const std::uint32_t wanted = face_vpl(group, job.list, i, sight, coincident);
+    const std::uint32_t wanted = face_vpl(group, job.list, i, sight, counts.coincident);
     if (wanted == 0) return;
     if (!job.roulette.thresholds.empty()) {
       mask_sight(wanted, sight);
       if (!survives(job, group, i, sight)) return;
     }
     const Vpl& vpl = job.list.vpls[i];
+    counts.rays += static_cast<std::uint64_t>(std::popcount(wanted));
     const std::uint32_t visible = job.world.find_visible(group.origins, vpl.p + vpl.ng * vpl.epsilon, wanted);
     if (visible == 0) return;
     mask_sight(visible, sight);
@@ -218,7 +222,7 @@ std::uint64_t sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator
     for (std::size_t i = first; i < last; ++i) sum_vpl(i);
     accumulator.close_block();
   }
-  return coincident;
+  return counts;
 }
 
 std::uint64_t morton(std::uint32_t x, std::uint32_t y) {
@@ -256,14 +260,16 @@ ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>&
   for (double clamp : clamps_per_m2) EQ_CHECK(clamp >= 0, clamp);
   EQ_CHECK(roulette.thresholds.empty() || roulette.thresholds.size() == materials.size());
   ShadedPoints shaded{clamps_per_m2.size(), points.size(), {}, 0};
-  std::atomic<std::uint64_t> coincident = 0;
+  std::atomic<std::uint64_t> coincident = 0, rays = 0;
   const ShadeJob job{world, vpls, materials, roulette, make_stream_key(roulette.seed, "shadow-roulette")};
   shaded.radiance.resize(materials.size() * shaded.levels * shaded.points);
   for_each_parallel((points.size() + kLanes - 1) / kLanes, [&](std::size_t index) {
     const std::size_t first = index * kLanes, count = std::min(kLanes, points.size() - first);
     const PointGroup group = make_group(&points[first], count, index);
     Accumulator accumulator(materials.size(), clamps_per_m2);
-    coincident += sum_vpls(job, group, accumulator);
+    const PairCounts counts = sum_vpls(job, group, accumulator);
+    coincident += counts.coincident;
+    rays += counts.rays;
     for (std::size_t m = 0; m < materials.size(); ++m) {
       for (std::size_t level = 0; level < shaded.levels; ++level) {
         for (std::size_t lane = 0; lane < count; ++lane) {
@@ -274,6 +280,7 @@ ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>&
     progress(static_cast<double>(count) * static_cast<double>(vpls.size()));
   });
   shaded.coincident = coincident;
+  shaded.rays = rays;
   check_finite(shaded);
   return shaded;
 }

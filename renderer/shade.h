@@ -27,6 +27,7 @@ struct ShadedPoints {
   std::size_t points = 0;
   std::vector<Vec3> radiance;
   std::uint64_t coincident = 0;  ///< pairs left out because the VPL lies on the point, where r is 0
+  std::uint64_t rays = 0;        ///< shadow rays of the plain sum
 
   std::size_t index(std::size_t material, std::size_t level, std::size_t point) const {
     return (material * levels + level) * points + point;

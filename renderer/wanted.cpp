@@ -13,8 +13,8 @@ namespace {
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
 constexpr int kPathEstimator = 4;
-constexpr int kVplEstimator = 4;
-constexpr int kLightcutEstimator = 2;
+constexpr int kVplEstimator = 5;
+constexpr int kLightcutEstimator = 3;
 
 // Where the two cost the same in the café, for the eleven levels of one material.
 constexpr std::int64_t kMostPlainVpls = 20000;
@@ -102,7 +102,7 @@ std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition
   } else {
     // The levels share the cut, and the rule's floor comes from the reference.
     json.set("estimator", "lightcut").set("estimator_version", kLightcutEstimator);
-    json.set("error_ratio", kErrorRatio);
+    json.set("error_ratio", kErrorRatio).set("certified", recipes.study.certified);
     Json levels{Json::Array{}};
     for (int level : recipes.study.clamp_levels) levels.push(level);
     json.set("levels", std::move(levels));

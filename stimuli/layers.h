@@ -16,6 +16,8 @@ struct LayerRecord {
   std::string digest;          ///< of the EXR file
   std::string made_from;       ///< digest of scene part, parameters and seed
   std::int64_t vpl_count = 0;  ///< true number of VPLs; 0 where there are none
+  Json vpls = {};              ///< with VPLs: method, its rule, cut sizes, rays, measured error; else null
+  Json errors_1e5 = {};        ///< of a lightcut: the absolute errors measured, sorted; else null
 };
 
 struct Layers {

@@ -19,6 +19,7 @@ struct PictureRecord {
   std::string digest;     ///< of the PNG file
   std::string made_from;  ///< digest of its layers and tone curve
   Json standard_error;    ///< references: object_mean, object_p99, outside_mean in display steps; else null
+  Json vpls = {};  ///< VPL pictures: count, method, its rule, cut sizes, rays, measured error; else null
 };
 
 /// The tone curve of a family, from its reference. units: those of the layers for log_average, white and

@@ -146,9 +146,9 @@ TEST_F(OpenSessionTest, RefusesAManifestOfAnotherStudy) {
 
 TEST_F(OpenSessionTest, RefusesAMissingPictureOfTheManifest) {
   Manifest manifest = load_manifest(folder_.manifest());
-  manifest.pictures.erase("G2-GS-ind-10k-C4-v1");
+  manifest.pictures.erase("G2-GS-ind-100k-C2-v1");
   save_manifest(manifest, folder_.manifest());
-  expect_refused(AllOf(HasSubstr("the picture G2-GS-ind-10k-C4-v1"), HasSubstr("equilux-render set")));
+  expect_refused(AllOf(HasSubstr("the picture G2-GS-ind-100k-C2-v1"), HasSubstr("equilux-render set")));
 }
 
 TEST_F(OpenSessionTest, RefusesAMissingPictureFile) {

@@ -89,9 +89,9 @@ TEST_F(Rows, OfAMalformedColumnAreRefused) {
 
 TEST_F(Rows, ThatAreMissingAreNamedByTheirColumn) {
   EXPECT_EQ(window_refusal(without(windows_, "/windows/3")),
-            "/windows: expected a row for G0-GS-ind-10k, got none");
+            "/windows: expected a row for G0-GS-ind-100k, got none");
   EXPECT_EQ(truth_refusal(without(truth_, "/columns/3")),
-            "/columns: expected a row for G0-GS-ind-10k, got none");
+            "/columns: expected a row for G0-GS-ind-100k, got none");
 }
 
 TEST_F(Rows, OfLevelsThatTheStudyLacksAreRefused) {

@@ -96,6 +96,7 @@ TEST_F(StudyFile, WithAWrongValueSaysWhereAndWhatIsExpected) {
       {"/exposure", "middle", "one of background, whole"},
       {"/tone_key", 0, "number"},
       {"/normalise", "no", "boolean"},
+      {"/certified", 1, "boolean"},
       {"/view_mode", "turned", "one of reference_turned, pair_turned"},
       {"/clamp_levels/3", "C11", "one of C0"},
       {"/clamp_levels/3", "C0", "without repetition"},
@@ -128,8 +129,8 @@ TEST_F(StudyFile, WithOverlappingBlocksNamesTheSecondAndTheColumn) {
   const Json twice = with(pocket_, "/blocks/-", pocket_.at("blocks").at(std::size_t{0}));
   EXPECT_EQ(refusal_of(twice), "/blocks/1: expected columns that no other block has, got G0-MS-ind-1k");
   const Json one_shared = with(with(twice, "/blocks/1/geometries", make_json({"G1", "G2"})),
-                               "/blocks/1/vpl_counts", make_json({"10k", "5M"}));
-  EXPECT_THAT(refusal_of(one_shared), AllOf(StartsWith("/blocks/1: "), HasSubstr("G2-MS-ind-10k")));
+                               "/blocks/1/vpl_counts", make_json({"100k", "5M"}));
+  EXPECT_THAT(refusal_of(one_shared), AllOf(StartsWith("/blocks/1: "), HasSubstr("G2-MS-ind-100k")));
   EXPECT_NO_THROW(load(with(twice, "/blocks/1/geometries", make_json({"G1", "G3"}))));
 }
 

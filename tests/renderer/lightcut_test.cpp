@@ -4,54 +4,19 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "tests/renderer/test_scene.h"
+#include "tests/renderer/cafe_lights.h"
 #include "tests/support/statistics.h"
 
 namespace equilux {
 namespace {
 
-const std::vector<double> kAllClamps = [] {
-  std::vector<double> clamps;
-  for (int level = 0; level < kClampLevelCount; ++level) clamps.push_back(clamp_per_m2(level));
-  return clamps;
-}();
-
+using test::Cafe;
+using test::kAllClamps;
 using ShadeLightcut = decltype(&shade_lightcut);
-
-struct Cafe {
-  Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
-  World world;
-  std::vector<Material> materials;
-  std::vector<ShadingPoint> points;
-  VplList vpls;
-
-  // Of what the camera sees every `stride`-th point, and about `count` VPLs.
-  Cafe(const std::string& geometry, std::size_t stride, std::int64_t paths, Emission emission,
-       std::vector<std::string> names = {"MS", "MR", "GS", "LG"},
-       Illumination illumination = Illumination::kDirectAndIndirect)
-      : world(make_world(scene, geometry, illumination)) {
-    for (const std::string& name : names) materials.push_back(make_material(find_material(scene, name)));
-    const auto all = find_shading_points(trace_primary(world, make_view_camera(scene, 0), 112, 84, 1));
-    for (std::size_t i = 0; i < all.size(); i += stride) points.push_back(all[i]);
-    const Materials traced = make_materials(world, find_material(scene, "MS"));
-    const VplSet set = trace_vpls(world, traced, paths, 1, "lightcut-test", emission);
-    vpls = set.shared;
-    vpls.append(set.own);
-  }
-
-  ShadedPoints sum(const std::vector<double>& clamps) const {
-    return shade_all_vpls(world, points, vpls, materials, clamps, [](double) {});
-  }
-  ShadedPoints cut(ShadeLightcut shade, const std::vector<double>& clamps, double ratio, std::uint64_t seed,
-                   CutRecord* record = nullptr, int leaf_size = 1) const {
-    const LightTree tree = make_light_tree(vpls, {seed, leaf_size});
-    return shade(world, points, tree, materials, clamps, {ratio, 1e-5}, record);
-  }
-};
 
 class Lightcut : public testing::TestWithParam<ShadeLightcut> {};
 INSTANTIATE_TEST_SUITE_P(ScalarAndFast, Lightcut, testing::Values(&shade_lightcut_scalar, &shade_lightcut),
-                         [](const auto& info) { return std::string(info.index == 0 ? "Scalar" : "Fast"); });
+                         [](const auto& code) { return std::string(code.index == 0 ? "Scalar" : "Fast"); });
 
 // Down to the leaves nothing is estimated: what differs is float's rounding, in two codes of their own.
 TEST_P(Lightcut, OfRatioZeroIsThePlainSum) {
@@ -121,6 +86,24 @@ TEST_P(Lightcut, OfAllLevelsAtOnceIsNoWorseThanOfOne) {
     for (std::size_t i = 0; i < cafe.points.size(); ++i)
       ASSERT_GE(all_record.sizes[i] * 1.1, alone_record.sizes[i]);
   }
+}
+
+// All levels have one cut, so its order holds exactly, but for rounding: a harder clamp never brightens.
+TEST_P(Lightcut, OfLessClampIsNeverDarker) {
+  const Cafe cafe("G2", 12, 6000, Emission::kLambertian);
+  const ShadedPoints cut = cafe.cut(GetParam(), kAllClamps, 0.0075, 1);
+  std::size_t darker = 0;
+  for (std::size_t m = 0; m < cafe.materials.size(); ++m) {
+    for (std::size_t level = 1; level < kAllClamps.size(); ++level) {
+      for (std::size_t i = 0; i < cafe.points.size(); ++i) {
+        const Vec3 less = cut.radiance[cut.index(m, level - 1, i)],
+                   more = cut.radiance[cut.index(m, level, i)];
+        ASSERT_LE(luminance(more), luminance(less) * (1 + 1e-5f)) << m << " C" << level << " at " << i;
+        darker += luminance(more) < luminance(less);
+      }
+    }
+  }
+  EXPECT_GT(darker, cafe.points.size()) << "clamping takes something somewhere";
 }
 
 // 300 seeds of the tree at a coarse ratio, 12 points, each channel and three levels. With totals known

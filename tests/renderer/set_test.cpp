@@ -229,6 +229,49 @@ TEST(Set, OfManyVplsIsCutTheSameWhateverItIsMadeWith) {
   }
 }
 
+// Every VPL picture's record says how it was made and what its error is; the summary pools what is measured.
+TEST(Set, TellsOfEveryVplPictureHowItWasMadeAndItsMeasuredError) {
+  const test::TinyStudy many("many"), few;
+  const test::Folder cuts, sums;
+  const SetSummary summary = make_set({many.path(), cuts.path(), "G0-MS-ind-*v0"});
+  ASSERT_EQ(summary.cut_errors.size(), 1u);
+  const ErrorSummary pooled = summary.cut_errors.at(30000);
+  EXPECT_GT(pooled.points, 11u * 50);
+  EXPECT_GT(pooled.rms, 0.0005);
+  EXPECT_LT(pooled.p99, 0.06);
+  const auto vpls_of = [](const test::Folder& folder, const std::string& key) {
+    return load_manifest(folder / "manifest.json").pictures.at(key).vpls;
+  };
+  const Json cut = vpls_of(cuts, "G0-MS-ind-30k-C4-v0"), sum_before = vpls_of(cuts, "G0-MS-ind-30k-C8-v0");
+  EXPECT_EQ(cut.at("method").as_string(), "lightcut");
+  EXPECT_EQ(cut.at("error_ratio").as_double(), 0.0075);
+  EXPECT_NEAR(static_cast<double>(cut.at("count").as_int()), 30000, 1500);
+  EXPECT_GT(cut.at("shadow_rays").as_int(), 1000);
+  EXPECT_GT(cut.at("cut_size").at("max").as_double(), 100);
+  EXPECT_EQ(cut.at("error").at("against").as_string(), "plain sum");
+  EXPECT_NE(cut.at("error"), sum_before.at("error")) << "each level has its own";
+  make_set({few.path(), sums.path(), "G0-MS-ind-*v0"});
+  const Json sum = vpls_of(sums, "G0-MS-ind-100-C4-v0");
+  EXPECT_EQ(sum.at("method").as_string(), "plain sum");
+  EXPECT_GT(sum.at("shadow_rays").as_int(), 1000);
+  EXPECT_TRUE(load_manifest(sums / "manifest.json").pictures.at("G0-MS-ind-ref-v0").vpls.is_null());
+  // What a second run finds whole it tells again, to the byte.
+  const std::string before = load_text(cuts / "manifest.json");
+  const SetSummary again = make_set({many.path(), cuts.path(), "G0-MS-ind-*v0"});
+  EXPECT_EQ(again.layers_rendered, 0u);
+  EXPECT_EQ(again.cut_errors.at(30000).p99, pooled.p99);
+  EXPECT_EQ(load_text(cuts / "manifest.json"), before);
+}
+
+TEST(Set, OfACertifiedStudyErrsByUnderOnePerCentAtNinetyNineOfAHundredPoints) {
+  const test::TinyStudy study("many");
+  Json json = study.load().source;
+  save_text(study.path(), format_json(json.set("certified", true)));
+  const test::Folder folder;
+  const SetSummary summary = make_set({study.path(), folder.path(), "G0-MS-ind-*v0"});
+  EXPECT_LT(summary.cut_errors.at(30000).p99, 0.01);
+}
+
 TEST(Set, AGeometryWhoseFileIsMissingSaysWhichAndHow) {
   // A copy of the study and its scene, beside which no mesh was ever fetched.
   const fs::path source = EQUILUX_SOURCE_DIR;

@@ -134,7 +134,7 @@ TEST(Sheet, OfWhatTheStudyLacksSaysWhatItHas) {
   EXPECT_EQ(find_refusal([&] { make_sheet_layout(study, object); }),
             "--object: expected one of G0-MS-ind, G0-GS-ind, G2-MS-ind, G2-GS-ind, got G9-MS-ind");
   EXPECT_EQ(find_refusal([&] { make_sheet_layout(study, counts); }),
-            "--vpls: expected some of 1k, 10k, got 5M");
+            "--vpls: expected some of 1k, 100k, got 5M");
   EXPECT_EQ(find_refusal([&] { make_sheet_layout(study, light); }),
             "--illumination: expected some of ind, got dir");
 }

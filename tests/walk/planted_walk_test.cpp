@@ -128,7 +128,7 @@ TEST(PlantedWalk, BringsThresholdsOutsideTheWindowsBackCensored) {
   save_text(folder.truth(), format_json(truth));
   const Findings findings = load_planted_findings(folder);
   EXPECT_EQ(findings.at("G0 MS ind 1000").artifact_status, "censored_low");
-  EXPECT_EQ(findings.at("G0 GS ind 10000").artifact_status, "censored_high");
+  EXPECT_EQ(findings.at("G0 GS ind 100000").artifact_status, "censored_high");
   EXPECT_THAT(find_breaches(walk(folder), findings), IsEmpty());
 }
 
@@ -143,7 +143,7 @@ TEST(PlantedWalk, DropsAColumnThatIsNeverFreeOfArtifacts) {
   save_text(folder.windows(), format_json(windows));
   const Findings findings = load_planted_findings(folder);
   EXPECT_EQ(findings.at("G0 MS ind 1000").artifact_status, "none");
-  EXPECT_THAT(findings.at("G0 MS ind 10000").kept, ElementsAre(10));
+  EXPECT_THAT(findings.at("G0 MS ind 100000").kept, ElementsAre(10));
   EXPECT_THAT(find_breaches(walk(folder), findings), IsEmpty());
 }
 
@@ -156,10 +156,10 @@ TEST(PlantedWalk, ExpectsWhatTheRulesSay) {
   EXPECT_THAT(none.kept, ElementsAre(10));
   EXPECT_EQ(none.material_cut, std::nullopt);
   EXPECT_THAT(none.green, IsEmpty());
-  const PlantedFinding& some = findings.at("G2 GS ind 10000");  // free from C4, same to C8
-  EXPECT_THAT(some.kept, ElementsAre(4, 6, 8, 10));
+  const PlantedFinding& some = findings.at("G2 GS ind 100000");  // free from C2, same to C8
+  EXPECT_THAT(some.kept, ElementsAre(2, 4, 6, 8, 10));
   EXPECT_EQ(some.material_cut, 8);
-  EXPECT_THAT(some.green, ElementsAre(4, 5, 6, 7, 8));
+  EXPECT_THAT(some.green, ElementsAre(2, 3, 4, 5, 6, 7, 8));
   const PlantedFinding& thinned = findings.at("G2 GS ind 1000");  // free from C6, same to C8
   EXPECT_EQ(thinned.visible, 2);
   EXPECT_THAT(thinned.green, ElementsAre(6, 7, 8));

@@ -56,7 +56,7 @@ class Readme : public ::testing::Test {
     for (const auto& [key, picture] : manifest.pictures) {
       EXPECT_EQ(digest_file(study_ / picture.file), picture.digest) << key;
     }
-    const LdrImage picture = load_png(study_ / "pictures/G2-GS-ind-10k-C4-v1.png");
+    const LdrImage picture = load_png(study_ / "pictures/G2-GS-ind-100k-C4-v1.png");
     EXPECT_EQ(picture.width, 280);
     EXPECT_EQ(picture.height, 210);
   }
