@@ -6,10 +6,7 @@
 namespace equilux {
 namespace {
 
-const char* name_of(StressOutcome outcome) {
-  if (outcome == StressOutcome::kOpen) return "open";
-  return outcome == StressOutcome::kHolds ? "holds" : "FAILS";
-}
+const char* name_of(StressOutcome outcome) { return outcome == StressOutcome::kHolds ? "holds" : "FAILS"; }
 
 // Without the temporary folder's name, which differs from run to run.
 std::string without_folder(std::string message) {

@@ -7,7 +7,7 @@
 
 namespace equilux {
 
-enum class StressOutcome { kHolds, kFails, kOpen };
+enum class StressOutcome { kHolds, kFails };
 
 struct StressRow {
   std::string subject;  ///< what is stressed
@@ -28,6 +28,8 @@ StressRow expect_input_error(std::string subject, std::string what, const std::f
 std::vector<StressRow> stress_materials();
 /// VPLs on, near and behind the point; extreme powers and clamps; 25 million of them.
 std::vector<StressRow> stress_vpls();
+/// Bounds around the point, and cuts through lights of every distance and power.
+std::vector<StressRow> stress_lightcuts();
 /// Scenes scaled, degenerate meshes, lights where they should not be.
 std::vector<StressRow> stress_scenes();
 /// Tone mapping and files.

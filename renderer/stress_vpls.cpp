@@ -138,8 +138,6 @@ std::vector<StressRow> stress_vpls() {
   add_powers(point, rows);
   add_clamps(point, rows);
   add_many(point, rows);
-  rows.push_back({"VPL", "a point inside its light cluster's box", "a bound that holds",
-                  "bounds come with Lightcuts", StressOutcome::kOpen});
   return rows;
 }
 

@@ -15,6 +15,7 @@ void expect_to_hold(const std::vector<StressRow>& rows) {
 
 TEST(Stress, OfMaterialsHolds) { expect_to_hold(stress_materials()); }
 TEST(Stress, OfVplsHolds) { expect_to_hold(stress_vpls()); }
+TEST(Stress, OfLightcutsHolds) { expect_to_hold(stress_lightcuts()); }
 TEST(Stress, OfScenesHolds) { expect_to_hold(stress_scenes()); }
 TEST(Stress, OfPicturesHolds) { expect_to_hold(stress_pictures()); }
 
