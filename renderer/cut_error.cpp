@@ -31,9 +31,14 @@ ShadedPoints make_black(const CutTask& task) {
 ShadedPoints cut_trees(const CutTask& task, double ratio, double floor, CutRecord& record) {
   ShadedPoints total = make_black(task);
   record = {std::vector<std::uint32_t>(task.points.size()), 0};
+  const auto lit = static_cast<double>(std::count_if(task.trees.begin(), task.trees.end(),
+                                                     [](const LightTree* tree) { return !tree->empty(); }));
   for (const LightTree* tree : task.trees) {
     LightcutParams params{ratio, floor};
     params.base = &total;
+    if (task.progress) {
+      params.progress = [&](double points) { task.progress(points / lit); };
+    }
     CutRecord own;
     const ShadedPoints part =
         shade_lightcut(task.world, task.points, *tree, {task.material}, task.clamps_per_m2, params, &own);
@@ -177,7 +182,9 @@ MeasuredCut shade_measured(const CutTask& task, const CutRule& rule, std::uint64
     {
       const Stopwatch watch(cut.measures.seconds_cut);
       CutRecord record;
-      cut.shaded = cut_trees(task, ratio, rule.floor, record);
+      CutTask told = task;
+      if (ratio < rule.error_ratio) told.progress = {};
+      cut.shaded = cut_trees(told, ratio, rule.floor, record);
       set_sizes(record, cut.measures);
     }
     cut.measures.error_ratio = ratio;

@@ -18,6 +18,7 @@ struct CutTask {
   std::vector<const LightTree*> trees;
   const Material& material;
   const std::vector<double>& clamps_per_m2;
+  std::function<void(double)> progress = {};  ///< told points done, each once, from any thread
 };
 
 struct CutRule {

@@ -339,6 +339,7 @@ void cut_block(const CutJob& job, const std::vector<ShadingPoint>& points, std::
     }
   }
   rays += cut.rays();
+  if (job.params.progress) job.params.progress(static_cast<double>(last - first));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct LightcutParams {
   /// False: the totals of the rule are those of `base` alone, so that the cut does not depend on the
   /// representatives and the expectation over tree seeds is exactly the sum.
   bool adaptive = true;
+  std::function<void(double)> progress = {};  ///< told points done, from any thread
 };
 
 /// What cuts came to. Sizes count clusters and single VPLs.

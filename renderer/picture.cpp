@@ -98,9 +98,11 @@ HdrImage shade_object(const PictureScene& scene, const PictureParams& params, st
     shaded = shade_all_vpls(scene.world, points, lights.list, {material}, clamps,
                             [&](double pairs) { progress.advance(pairs); });
   } else {
-    MeasuredCut cut = shade_measured({scene.world, points, {&lights.tree}, material, clamps},
+    const auto advance = [&](double done) {
+      progress.advance(done * static_cast<double>(lights.tree.vpls.size()));
+    };
+    MeasuredCut cut = shade_measured({scene.world, points, {&lights.tree}, material, clamps, advance},
                                      {kErrorRatio, lights.floor, params.certified}, params.seed);
-    progress.advance(static_cast<double>(points.size()) * static_cast<double>(lights.tree.vpls.size()));
     shaded = std::move(cut.shaded);
     measures = std::move(cut.measures);
   }

@@ -225,12 +225,12 @@ void render_lightcuts(const VplJob& job) {
       if (shared_tree.empty()) shared_tree = make_light_tree(std::move(set.shared), tree_params);
       own_tree = make_light_tree(std::move(set.own), tree_params);
     }
+    const auto advance = [&](double points) { group.progress.advance(kCutCost * points); };
     const MeasuredCut cut =
-        shade_measured({group.world, job.points, {&shared_tree, &own_tree}, material, clamps},
+        shade_measured({group.world, job.points, {&shared_tree, &own_tree}, material, clamps, advance},
                        {kErrorRatio, find_floor(job, name), group.study.certified}, group.study.seed);
     group.seconds["VPL shading"] += cut.measures.seconds_cut;
     group.seconds["measured error"] += cut.measures.seconds_measured;
-    group.progress.advance(kCutCost * static_cast<double>(job.points.size()));
     save_vpl_layers(
         job, name, levels,
         {{{cut.shaded, 0}}, [&](std::size_t level) {
