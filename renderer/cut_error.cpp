@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kMeasuredPoints = 256, kCheckedPoints = 16;
 constexpr std::size_t kMostSummedVpls = 110000;  // a count of 100k is met within some per cent
 constexpr double kFiner = 20;
-constexpr double kLeastRatio = 1e-6;  // certifying ends here: cuts are as good as the sum
+constexpr double kLeastRatio = 1e-4;  // certifying ends here
 constexpr double kPoolUnit = 1e-5;
 
 void add_shaded(const ShadedPoints& more, ShadedPoints& total) {
@@ -60,10 +60,11 @@ ShadedPoints sum_trees(const CutTask& task) {
 }
 
 // Indices of points, each at most once, in rising order: so that neighbours stay neighbours.
-std::vector<std::size_t> draw_points(std::size_t count, std::size_t wanted, std::uint64_t seed) {
+std::vector<std::size_t> draw_points(std::string_view what, std::size_t count, std::size_t wanted,
+                                     std::uint64_t seed) {
   std::vector<std::size_t> indices(count);
   std::iota(indices.begin(), indices.end(), std::size_t{0});
-  RandomStream random(seed, "cut-error", count);
+  RandomStream random(seed, what, count);
   shuffle(indices, random);
   indices.resize(std::min(count, wanted));
   std::sort(indices.begin(), indices.end());
@@ -87,7 +88,8 @@ std::vector<std::vector<double>> find_errors(const ShadedPoints& shaded,
       const double seen = luminance(shaded.radiance[shaded.index(0, level, indices[i])]);
       const double known = luminance(truth.radiance[truth.index(0, level, i)]);
       const double scale = std::max(known, floor);
-      errors[level].push_back(scale > 0 ? (seen - known) / scale : 0);
+      // Beyond a million times the truth it is wrong, and that is all that matters.
+      errors[level].push_back(scale > 0 ? std::clamp((seen - known) / scale, -1e6, 1e6) : 0);
     }
   }
   return errors;
@@ -111,27 +113,71 @@ void set_sizes(const CutRecord& record, CutMeasures& measures) {
   measures.max_size = sizes.empty() ? 0 : sizes.back();
 }
 
-// Against cuts of a twentieth of the ratio, and those against the plain sum.
-void measure_by_cuts(const CutTask& task, const ShadedPoints& shaded, const std::vector<std::size_t>& indices,
-                     std::uint64_t seed, CutMeasures& measures) {
-  const auto points = take_points(task.points, indices);
-  const CutTask finer{task.world, points, task.trees, task.material, task.clamps_per_m2};
-  CutRecord record;
-  const ShadedPoints truth = cut_trees(finer, measures.error_ratio / kFiner, measures.floor, record);
-  measures.errors = find_errors(shaded, indices, truth, measures.floor);
-  measures.against_plain_sum = false;
-  const auto checked = draw_points(points.size(), kCheckedPoints, seed);
-  const auto checked_points = take_points(points, checked);
-  const ShadedPoints sum =
-      sum_trees({task.world, checked_points, task.trees, task.material, task.clamps_per_m2});
-  measures.finer.clear();
-  for (const auto& errors : find_errors(truth, checked, sum, measures.floor))
-    measures.finer.push_back(summarise_errors(errors));
-}
+// Cuts, and holds them to what is known better at points that it draws.
+class Judge {
+ public:
+  Judge(const CutTask& task, std::string_view what, std::uint64_t seed)
+      : task_(task),
+        indices_(draw_points(what, task.points.size(), kMeasuredPoints, seed)),
+        points_(take_points(task.points, indices_)) {
+    const Stopwatch watch(seconds_);
+    std::size_t count = 0;
+    for (const LightTree* tree : task.trees) count += tree->vpls.size();
+    by_sum_ = count <= kMostSummedVpls;
+    checked_ = draw_points(what, points_.size(), kCheckedPoints, seed);
+    const auto summed = by_sum_ ? points_ : take_points(points_, checked_);
+    sum_ = sum_trees(at(summed));
+  }
+
+  MeasuredCut cut(double ratio, double floor) const {
+    MeasuredCut cut;
+    cut.measures.error_ratio = ratio;
+    cut.measures.floor = floor;
+    cut.measures.against_plain_sum = by_sum_;
+    {
+      const Stopwatch watch(cut.measures.seconds_cut);
+      CutRecord record;
+      cut.shaded = cut_trees(task_, ratio, floor, record);
+      set_sizes(record, cut.measures);
+    }
+    const Stopwatch watch(cut.measures.seconds_measured);
+    measure(cut);
+    return cut;
+  }
+
+  double seconds() const { return seconds_; }
+
+ private:
+  CutTask at(const std::vector<ShadingPoint>& points) const {
+    return {task_.world, points, task_.trees, task_.material, task_.clamps_per_m2};
+  }
+
+  void measure(MeasuredCut& cut) const {
+    CutMeasures& measures = cut.measures;
+    if (by_sum_) {
+      measures.errors = find_errors(cut.shaded, indices_, sum_, measures.floor);
+      return;
+    }
+    CutRecord record;
+    const ShadedPoints finer = cut_trees(at(points_), measures.error_ratio / kFiner, measures.floor, record);
+    measures.errors = find_errors(cut.shaded, indices_, finer, measures.floor);
+    for (const auto& errors : find_errors(finer, checked_, sum_, measures.floor))
+      measures.finer.push_back(summarise_errors(errors));
+  }
+
+  const CutTask& task_;
+  std::vector<std::size_t> indices_, checked_;  // among all points, among those drawn
+  std::vector<ShadingPoint> points_;
+  ShadedPoints sum_;  // at all points drawn or at those checked
+  bool by_sum_ = false;
+  double seconds_ = 0;
+};
 
 bool is_certified(const CutMeasures& measures) {
   return std::all_of(measures.errors.begin(), measures.errors.end(),
-                     [](const auto& errors) { return summarise_errors(errors).p99 < kCertifiedError; });
+                     [](const auto& errors) { return summarise_errors(errors).p99 < kCertifiedError; }) &&
+         std::all_of(measures.finer.begin(), measures.finer.end(),
+                     [](const ErrorSummary& finer) { return finer.rms < kCertifiedError / 2; });
 }
 
 Json make_json(const ErrorSummary& summary) {
@@ -167,35 +213,23 @@ ErrorSummary summarise_errors(const std::vector<double>& errors) {
 }
 
 MeasuredCut shade_measured(const CutTask& task, const CutRule& rule, std::uint64_t seed) {
-  const auto indices = draw_points(task.points.size(), kMeasuredPoints, seed);
-  std::size_t count = 0;
-  for (const LightTree* tree : task.trees) count += tree->vpls.size();
-  MeasuredCut cut;
-  cut.measures.floor = rule.floor;
-  ShadedPoints sum;
-  if (count <= kMostSummedVpls) {
-    const Stopwatch watch(cut.measures.seconds_measured);
-    const auto points = take_points(task.points, indices);
-    sum = sum_trees({task.world, points, task.trees, task.material, task.clamps_per_m2});
+  double ratio = rule.error_ratio;
+  double searched = 0;
+  if (rule.certified) {
+    const Stopwatch watch(searched);
+    const auto points =
+        take_points(task.points, draw_points("cut-error-search", task.points.size(), kMeasuredPoints, seed));
+    const CutTask few{task.world, points, task.trees, task.material, task.clamps_per_m2};
+    const Judge judge(few, "cut-error-search", seed);
+    while (!is_certified(judge.cut(ratio, rule.floor).measures) && ratio >= kLeastRatio) ratio /= 2;
   }
-  for (double ratio = rule.error_ratio;; ratio /= 2) {
-    {
-      const Stopwatch watch(cut.measures.seconds_cut);
-      CutRecord record;
-      CutTask told = task;
-      if (ratio < rule.error_ratio) told.progress = {};
-      cut.shaded = cut_trees(told, ratio, rule.floor, record);
-      set_sizes(record, cut.measures);
-    }
-    cut.measures.error_ratio = ratio;
-    const Stopwatch watch(cut.measures.seconds_measured);
-    if (count <= kMostSummedVpls) {
-      cut.measures.errors = find_errors(cut.shaded, indices, sum, rule.floor);
-    } else {
-      measure_by_cuts(task, cut.shaded, indices, seed, cut.measures);
-    }
-    if (!rule.certified || is_certified(cut.measures) || ratio < kLeastRatio) return cut;
-  }
+  const Judge judge(task, "cut-error", seed);
+  MeasuredCut cut = judge.cut(ratio, rule.floor);
+  while (rule.certified && !is_certified(cut.measures) && ratio >= kLeastRatio)
+    cut = judge.cut(ratio /= 2, rule.floor);
+  if (rule.certified) cut.measures.certified = is_certified(cut.measures);
+  cut.measures.seconds_measured += judge.seconds() + searched;
+  return cut;
 }
 
 Json make_json(const CutMeasures& measures, std::size_t level) {
@@ -206,6 +240,7 @@ Json make_json(const CutMeasures& measures, std::size_t level) {
   if (!measures.finer.empty()) error.set("of_that", make_json(measures.finer[level]));
   Json json;
   json.set("method", "lightcut").set("error_ratio", measures.error_ratio).set("floor", measures.floor);
+  if (measures.certified) json.set("certified", *measures.certified);
   json.set("cut_size", std::move(size)).set("shadow_rays", measures.rays);
   return json.set("error", std::move(error));
 }
@@ -213,7 +248,7 @@ Json make_json(const CutMeasures& measures, std::size_t level) {
 Json make_pool(const CutMeasures& measures, std::size_t level) {
   std::vector<std::int64_t> units;
   for (double error : measures.errors[level])
-    units.push_back(std::llround(std::min(std::abs(error) / kPoolUnit, 1e15)));
+    units.push_back(static_cast<std::int64_t>(std::min(std::abs(error) / kPoolUnit + 1e-6, 1e15)));
   std::sort(units.begin(), units.end());
   Json pool{Json::Array{}};
   for (std::int64_t unit : units) pool.push(unit);

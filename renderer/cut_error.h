@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,10 @@ struct CutTask {
 
 struct CutRule {
   double error_ratio = 0.0075;
-  double floor = 0;        ///< as LightcutParams::floor
-  bool certified = false;  ///< the ratio is halved until the errors' 99th percentile is under kCertifiedError
+  double floor = 0;  ///< as LightcutParams::floor
+  /// The ratio is halved until the 99th percentile of the errors is under kCertifiedError at every level:
+  /// first at points drawn for that, then at those that the record tells of.
+  bool certified = false;
 };
 inline constexpr double kCertifiedError = 0.01;
 
@@ -41,6 +44,7 @@ ErrorSummary summarise_errors(const std::vector<double>& errors);
 struct CutMeasures {
   double error_ratio = 0;  ///< that the rule ended with
   double floor = 0;
+  std::optional<bool> certified;                     ///< where that was asked for: whether it was reached
   double mean_size = 0, p99_size = 0, max_size = 0;  ///< clusters and VPLs of a point's cut
   std::uint64_t rays = 0;
   double seconds_cut = 0, seconds_measured = 0;
@@ -56,7 +60,8 @@ struct MeasuredCut {
 };
 
 /// Cuts, and measures the error at 256 points drawn by `seed`: against the plain sum up to 100,000 VPLs, else
-/// against cuts of a twentieth of the ratio that are themselves held to the plain sum at 16 of the points.
+/// against cuts of a twentieth of the ratio that are themselves held to the plain sum at 16 of the points:
+/// what these err by must be under half of what is certified.
 MeasuredCut shade_measured(const CutTask& task, const CutRule& rule, std::uint64_t seed);
 
 /// The record of one level, for layers.json and manifest.json. Errors are relative.

@@ -129,6 +129,8 @@ void print_measures(const ObjectLayers& object) {
       object.name, 100 * cut.error_ratio, cut.mean_size, cut.rays, error.points,
       cut.against_plain_sum ? "plain sum" : "cuts of a twentieth", 100 * error.rms, 100 * error.rms_low,
       100 * error.rms_high, 100 * error.p99);
+  if (cut.certified && !*cut.certified)
+    fmt::print("warning: {}: not certified, more than 1 % of its points err by 1 % or more\n", object.name);
 }
 
 void print_picture(const Picture& picture, const PictureParams& params) {

@@ -137,12 +137,13 @@ Json make_json(const DisplayNoise& noise) {
   return json;
 }
 
-// What a layer's record says of its VPLs, as a picture's does.
-Json tell_vpls(const LayerRecord& layer) {
+// What is known of the VPL layer that a picture shows, before any normalisation.
+Json tell_vpls(const LayerStore& store, const std::string& name) {
+  const LayerRecord& layer = store.record(name);
   if (layer.vpls.is_null()) return {};
   Json json;
-  json.set("count", layer.vpl_count);
-  for (const auto& [name, value] : layer.vpls.as_object()) json.set(name, value);
+  json.set("layer", name).set("count", layer.vpl_count);
+  for (const auto& [member, value] : layer.vpls.as_object()) json.set(member, value);
   return json;
 }
 
@@ -152,6 +153,9 @@ void pool_errors(const LayerStore& store, const std::vector<Condition>& conditio
   for (const Condition& condition : conditions) {
     const std::string name = vpl_layer_name(condition);
     const Json& errors = store.record(name).errors_1e5;
+    const Json* certified = store.record(name).vpls.find("certified");
+    if (certified && !certified->as_bool())
+      summary.warnings.push_back(name + ": not certified, more than 1 % of its points err by 1 % or more");
     if (!errors.is_null()) pools[condition.cell.column.vpl_count][name] = &errors;
   }
   for (const auto& [count, by_layer] : pools) {
@@ -196,7 +200,7 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   for (const Condition& condition : conditions) {
     write(format_key(condition), digest_text(loaded.digests + " " + vpl_digests(store, condition)),
           [&] { return load_vpl_layer(store, condition); });
-    pictures.set_error(format_key(condition), {}, tell_vpls(store.record(vpl_layer_name(condition))));
+    pictures.set_error(format_key(condition), {}, tell_vpls(store, vpl_layer_name(condition)));
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
 constexpr int kPathEstimator = 4;
-constexpr int kVplEstimator = 5;
+constexpr int kVplEstimator = 4;
 constexpr int kLightcutEstimator = 3;
 
 // Where the two cost the same in the café, for the eleven levels of one material.
@@ -102,7 +102,8 @@ std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition
   } else {
     // The levels share the cut, and the rule's floor comes from the reference.
     json.set("estimator", "lightcut").set("estimator_version", kLightcutEstimator);
-    json.set("error_ratio", kErrorRatio).set("certified", recipes.study.certified);
+    json.set("error_ratio", kErrorRatio);
+    if (recipes.study.certified) json.set("certified", true);
     Json levels{Json::Array{}};
     for (int level : recipes.study.clamp_levels) levels.push(level);
     json.set("levels", std::move(levels));

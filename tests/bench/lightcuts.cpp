@@ -159,7 +159,7 @@ class Bench {
     for (const std::string& name : kFive)
       add_cut(geometry + "/five/" + name, room, lights, points, {name}, all_clamps());
     for (int samples : {4, 16}) {
-      // As many pixels as of one sample.
+      // About as many points as of one sample.
       const auto stride = static_cast<std::size_t>(samples) * kStride;
       add_cut(fmt::format("{}/samples/{}", geometry, samples), room, lights,
               take_blocks(room.points.at(samples), stride), {"MS"}, all_clamps());
@@ -183,9 +183,7 @@ class Bench {
   }
 
   bool print(const std::string& geometry, const Collector& times) const {
-    const auto seconds = [&](const std::string& name) {
-      return times.median(geometry + "/" + name + "/iterations:1/repeats:3/process_time/real_time");
-    };
+    const auto seconds = [&](const std::string& name) { return times.median(geometry + "/" + name); };
     const auto lights = [&](const std::string& count) -> const Lights& {
       return *lights_.at(geometry + "/" + count);
     };
