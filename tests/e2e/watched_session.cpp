@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "stimuli/png_file.h"
 #include "tests/e2e/small_study.h"
+#include "tests/experiment/raw_database.h"
 
 namespace equilux {
 namespace {
@@ -91,6 +92,12 @@ bool has_panel(const LdrImage& screen) {
   return is_page(screen) && std::count(screen.values.begin(), screen.values.end(), kPanelGrey) > 30000;
 }
 
+// Its id; 0 before there is a log.
+std::string find_last_event(const StudyFolder& folder) {
+  if (!std::filesystem::exists(folder.responses())) return "0";
+  return RawDatabase(folder.responses()).value("SELECT coalesce(max(id), 0) FROM event");
+}
+
 }  // namespace
 
 std::optional<std::string> find_difference(const LdrImage& screen, const StudyFolder& folder,
@@ -116,6 +123,7 @@ WatchedSession::WatchedSession(XDisplay& display, const StudyFolder& folder, con
     : display_(&display),
       folder_(folder),
       plan_(plan),
+      last_event_before_(find_last_event(folder)),
       program_(command_line(arguments), {{"DISPLAY", display.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}}) {}
 
 void WatchedSession::keep(const std::string& name) const {
@@ -140,6 +148,12 @@ void WatchedSession::wait_for(const std::string& name,
   keep(name);
 }
 
+bool WatchedSession::is_logged_as_shown(const TrialRow& trial) const {
+  const RawDatabase log(folder_.responses());
+  return log.value(fmt::format("SELECT count(*) FROM event WHERE kind = 'showing' AND trial = {} AND id > {}",
+                               trial.number, last_event_before_)) != "0";
+}
+
 void WatchedSession::wait_for_page(const std::string& name) { wait_for(name, is_page); }
 
 void WatchedSession::wait_for_error(const std::string& name) { wait_for(name, has_panel); }
@@ -149,7 +163,7 @@ void WatchedSession::wait_for_trial(const TrialRow& trial, const std::string& na
   const bool is_there = wait_until([&] {
     last_screen_ = display_->take_screenshot();
     difference = find_difference(*last_screen_, folder_, trial, plan_);
-    return !difference || !program_.is_running();
+    return (!difference && is_logged_as_shown(trial)) || !program_.is_running();
   });
   keep(name);
   ASSERT_TRUE(is_there && !difference) << difference.value_or("") << program_.read_output();

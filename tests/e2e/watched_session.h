@@ -63,10 +63,13 @@ class WatchedSession {
  private:
   void wait_for(const std::string& name, const std::function<bool(const LdrImage&)>& is_wanted);
   void keep(const std::string& name) const;
+  /// Whether the log has a showing of this trial by this program: presses before it do not count.
+  bool is_logged_as_shown(const TrialRow& trial) const;
 
   XDisplay* display_;
   StudyFolder folder_;
   ScreenPlan plan_;
+  std::string last_event_before_;  ///< id
   std::optional<LdrImage> last_screen_;
   ChildProcess program_;
 };
