@@ -7,11 +7,8 @@ namespace equilux {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kRotationRounding = BoundSlack::kRotation;
-constexpr float kTangentRounding = BoundSlack::kTangent;
-constexpr float kRounding = BoundSlack::kRelative;
 
-float widen(float bound) { return bound * (1 + kRounding); }
+float widen(float bound) { return bound * (1 + BoundSlack::kRelative); }
 
 // A box of differences d from the point, rotated: centre and half extents, rounded outwards.
 struct LocalBox {
@@ -22,8 +19,8 @@ float absolute_dot(Vec3 a, Vec3 b) { return std::abs(a.x) * b.x + std::abs(a.y) 
 
 LocalBox rotate_box(const Frame& frame, Vec3 low, Vec3 high) {
   const Vec3 center = low * 0.5f + high * 0.5f, half = high * 0.5f - low * 0.5f;
-  const float slack = kRotationRounding * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z) +
-                                           half.x + half.y + half.z);
+  const float slack = BoundSlack::kRotation * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z) +
+                                               half.x + half.y + half.z);
   return {frame.to_local(center),
           {absolute_dot(frame.s, half) + slack, absolute_dot(frame.t, half) + slack,
            absolute_dot(frame.n, half) + slack}};
@@ -71,7 +68,7 @@ struct AxisSight {
 };
 
 float lower_tan2(float tan) {
-  const float least = std::max(0.0f, tan * (1 - kRounding) - kTangentRounding);
+  const float least = std::max(0.0f, tan * (1 - BoundSlack::kRelative) - BoundSlack::kTangent);
   return least * least;
 }
 
@@ -121,15 +118,15 @@ float bound_mirror(const LocalBox& box, const GlossCluster& gloss) {
   const AxisSight sight(box);
   const float angle =
       sight.most_height > 0 ? 2 * std::atan(sight.least_tan_half()) : std::acos(sight.most_cosine());
-  const float left = angle - gloss.mirror_angle - kTangentRounding;
+  const float left = angle - gloss.mirror_angle - BoundSlack::kTangent;
   const float tan2 = left > 0 ? lower_tan2(std::tan(std::min(left, kPi) / 2)) : 0;
   return std::exp(-std::min(87.0f, tan2 / (gloss.alpha * gloss.alpha))) * (1 + tan2);
 }
 
 // The least cosine of ns with the direction to the point, less what rounds.
 float bound_gloss_cosine(const LocalBox& box, const GlossCluster& gloss) {
-  const float angle = std::acos(AxisSight(box).least_cosine()) + gloss.ns_angle + kTangentRounding;
-  return angle < kPi / 2 ? std::cos(angle) * (1 - kRounding) : 0;
+  const float angle = std::acos(AxisSight(box).least_cosine()) + gloss.ns_angle + BoundSlack::kTangent;
+  return angle < kPi / 2 ? std::cos(angle) * (1 - BoundSlack::kRelative) : 0;
 }
 
 }  // namespace
@@ -148,12 +145,12 @@ BoxSight sight_box(const BoundPoint& point, Vec3 low, Vec3 high) {
   const Vec3 near{distance(from.x, to.x), distance(from.y, to.y), distance(from.z, to.z)};
   const Vec3 far{farthest(from.x, to.x), farthest(from.y, to.y), farthest(from.z, to.z)};
   BoxSight sight;
-  sight.least_r2 = dot(near, near) * (1 - kRounding);
+  sight.least_r2 = dot(near, near) * (1 - BoundSlack::kRelative);
   const LocalBox box = rotate_box(point.shading, from, to);
   sight.most_cos = std::max(0.0f, AxisSight(box).most_cosine());
   const float mirror = AxisSight(rotate_box(point.mirror, from, to)).least_tan_half();
   const float half =
-      bound_half_vector(box, point.v, std::sqrt(sight.least_r2), length(far) * (1 + kRounding));
+      bound_half_vector(box, point.v, std::sqrt(sight.least_r2), length(far) * (1 + BoundSlack::kRelative));
   sight.least_tan2 = lower_tan2(std::max(mirror, half));
   return sight;
 }

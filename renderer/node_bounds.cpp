@@ -9,9 +9,6 @@ namespace equilux {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kRotationRounding = BoundSlack::kRotation;
-constexpr float kTangentRounding = BoundSlack::kTangent;
-constexpr float kRounding = BoundSlack::kRelative;
 
 EQ_INLINE Floats abs(Floats a) { return max(a, -a); }
 EQ_INLINE Floats3 minus(const Floats3& a, const Floats3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -43,7 +40,7 @@ EQ_INLINE LaneBox rotate_box(const LaneFrame& frame, const Floats3& low, const F
   const Floats3 half{high.x * 0.5f - low.x * 0.5f, high.y * 0.5f - low.y * 0.5f,
                      high.z * 0.5f - low.z * 0.5f};
   const Floats slack =
-      kRotationRounding * (abs(center.x) + abs(center.y) + abs(center.z) + half.x + half.y + half.z);
+      BoundSlack::kRotation * (abs(center.x) + abs(center.y) + abs(center.z) + half.x + half.y + half.z);
   return {{dot(frame.s, center), dot(frame.t, center), dot(frame.n, center)},
           {absolute_dot(frame.s, half) + slack, absolute_dot(frame.t, half) + slack,
            absolute_dot(frame.n, half) + slack}};
@@ -160,22 +157,22 @@ NodeBounds bound_nodes(const LightTree& tree, const Material& material, const Bo
   const auto far = [](const Floats& a, const Floats& b) { return max(abs(a), abs(b)); };
   const Floats3 nearest{near(from.x, to.x), near(from.y, to.y), near(from.z, to.z)};
   const Floats3 farthest{far(from.x, to.x), far(from.y, to.y), far(from.z, to.z)};
-  const Floats least_r2 = dot(nearest, nearest) * (1 - kRounding);
+  const Floats least_r2 = dot(nearest, nearest) * (1 - BoundSlack::kRelative);
   const LaneBox box = rotate_box(splat(point.shading), from, to);
   const Floats cos_l = max(Floats{}, cosine_of(sight_axis(box)));
   Floats most = max_component(material.rho_d) * kInvPi * cos_l;
   if (material.glossy_share > 0 && point.v.z > 0) {
     const Floats mirror = tan_half_of(sight_axis(rotate_box(splat(point.mirror), from, to)));
-    const Floats half =
-        bound_half_vector(box, point.v, sqrt(least_r2), sqrt(dot(farthest, farthest)) * (1 + kRounding));
-    const Floats tan = max(Floats{}, max(mirror, half) * (1 - kRounding) - kTangentRounding);
+    const Floats half = bound_half_vector(box, point.v, sqrt(least_r2),
+                                          sqrt(dot(farthest, farthest)) * (1 + BoundSlack::kRelative));
+    const Floats tan = max(Floats{}, max(mirror, half) * (1 - BoundSlack::kRelative) - BoundSlack::kTangent);
     most += max_component(material.rho_s) * bound_lobe(material, point.v.z, cos_l, tan * tan);
   }
-  most = cos_l > 0.0f ? most * (1 + kRounding) : Floats{};
+  most = cos_l > 0.0f ? most * (1 + BoundSlack::kRelative) : Floats{};
   const Floats cos_vpl = bound_vpl_cosine(nodes, from, to);
   Floats peak = least_r2 > 0.0f ? most / least_r2 : broadcast(kInfinity);
   peak = most > 0.0f ? peak : Floats{};
-  Floats emission = nodes.weight * cos_vpl * (1 + kRounding);
+  Floats emission = nodes.weight * cos_vpl * (1 + BoundSlack::kRelative);
   // Those with gloss are few, and their bounds long.
   for (std::size_t lane = 0; !tree.gloss.empty() && lane < count; ++lane) {
     const Cluster cluster = unpack_cluster(tree, tree.nodes[ids[lane]]);
