@@ -7,8 +7,13 @@
 
 namespace equilux {
 
-void add_threads(CLI::App& subcommand, CommandLine& line) {
+void add_machine(CLI::App& subcommand, CommandLine& line) {
   subcommand.add_option("--threads", line.threads, "Threads; 0 for all cores")->check(CLI::Range(0, 4096));
+  subcommand
+      .add_option("--isa", line.isa,
+                  "Instruction set, v3 (AVX2) or v4 (AVX-512), for the same bytes on any machine that has it "
+                  "(the best)")
+      ->check(CLI::IsMember({"v3", "v4"}));
 }
 
 CLI::Validator is_vpls() {

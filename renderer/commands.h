@@ -10,6 +10,7 @@ namespace equilux {
 struct CommandLine {
   std::function<int()> command;  ///< of the subcommand that was named; gives the exit code
   int threads = 0;               ///< 0 for all cores
+  std::string isa;               ///< empty for the best that the processor has
 };
 
 void add_set(CLI::App& app, CommandLine& line);
@@ -21,8 +22,8 @@ void add_describe(CLI::App& app, CommandLine& line);
 void add_export(CLI::App& app, CommandLine& line);
 void add_sheet(CLI::App& app, CommandLine& line);
 
-/// The option --threads of a subcommand.
-void add_threads(CLI::App& subcommand, CommandLine& line);
+/// The options --threads and --isa of a subcommand.
+void add_machine(CLI::App& subcommand, CommandLine& line);
 
 /// A number of VPLs such as 100k, a clamp level such as C4.
 CLI::Validator is_vpls();

@@ -34,7 +34,7 @@ void add_describe(CLI::App& app, CommandLine& line) {
   describe->add_option("--points", params.points, "Points of each object that rays are sent from (4096)")
       ->check(CLI::Range(1, 10000000));
   describe->add_option("--seed", params.seed, "Seed (1)")->check(is_seed());
-  add_threads(*describe, line);
+  add_machine(*describe, line);
   describe->footer("Example: equilux-render describe stimuli/scenes/cafe.json --geometry G0,G3");
   describe->callback([&line, options] { line.command = [options] { return write_description(*options); }; });
 }

@@ -231,7 +231,7 @@ void add_image(CLI::App& app, CommandLine& line) {
       ->expected(3)
       ->check(is_in_range(0.01, 255));
   image->add_option("--seed", options->params.seed, "Seed, 0 to 9223372036854775807 (1)")->check(is_seed());
-  add_threads(*image, line);
+  add_machine(*image, line);
   image->footer(
       "Example: equilux-render image stimuli/scenes/cafe.json --geometry G2 --material MS --method vpl "
       "--vpls 1k "

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "renderer/isa.h"
 
 namespace equilux {
 namespace fs = std::filesystem;
@@ -37,8 +38,13 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
   metadata["equilux_made_from"] = recipe;
   metadata["equilux_unit"] = "W/(m^2 sr)";
   save_exr(image, metadata, folder_.root / file);
-  layers_.by_name[name] = {file,           digest_file(folder_.root / file), recipe, vpls.count, vpls.vpls,
-                           vpls.errors_1e5};
+  layers_.by_name[name] = {file,
+                           digest_file(folder_.root / file),
+                           recipe,
+                           vpls.count,
+                           vpls.vpls,
+                           vpls.errors_1e5,
+                           format_isa(current_isa())};
 }
 
 HdrImage LayerStore::load(const std::string& name) const {

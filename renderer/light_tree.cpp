@@ -24,7 +24,7 @@ struct Box {
 Vec3 min(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
 Vec3 max(Vec3 a, Vec3 b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
-Box find_box(const std::vector<Vpl>& vpls) {
+Box find_box(const LargeArray<Vpl>& vpls) {
   Box box{vpls.front().p, vpls.front().p};
   for (const Vpl& vpl : vpls) box = {min(box.low, vpl.p), max(box.high, vpl.p)};
   return box;
@@ -57,9 +57,9 @@ std::uint64_t make_key(const Box& box, const Vpl& vpl) {
   return (above << 3 | octant) << kBelow | below;
 }
 
-std::vector<KeyedIndex> sort_vpls(const std::vector<Vpl>& vpls) {
+LargeArray<KeyedIndex> sort_vpls(const LargeArray<Vpl>& vpls) {
   const Box box = find_box(vpls);
-  std::vector<KeyedIndex> order(vpls.size());
+  LargeArray<KeyedIndex> order(vpls.size());
   constexpr std::size_t kBlock = 1 << 14;
   for_each_parallel((vpls.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
     const std::size_t last = std::min(vpls.size(), (block + 1) * kBlock);
@@ -148,7 +148,7 @@ float pack_angle(double angle) { return static_cast<float>(angle) * (1 + 1e-6f);
 // Builds one subtree into nodes whose indices count from its own root.
 class SubtreeBuilder {
  public:
-  SubtreeBuilder(const LightTree& tree, const std::vector<std::uint64_t>& keys, const StreamKey& random,
+  SubtreeBuilder(const LightTree& tree, const LargeArray<std::uint64_t>& keys, const StreamKey& random,
                  std::uint32_t leaf_size)
       : tree_(tree), keys_(keys), random_(random), leaf_size_(leaf_size) {}
 
@@ -198,7 +198,7 @@ class SubtreeBuilder {
     }
   }
 
-  std::vector<LightNode> nodes;
+  LargeArray<LightNode> nodes;
   std::vector<GlossCluster> gloss;
 
  private:
@@ -207,7 +207,7 @@ class SubtreeBuilder {
   LightNode pack(const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) const;
 
   const LightTree& tree_;
-  const std::vector<std::uint64_t>& keys_;
+  const LargeArray<std::uint64_t>& keys_;
   const StreamKey& random_;
   std::uint32_t leaf_size_;
 };
@@ -269,7 +269,7 @@ std::size_t split_top(const SubtreeBuilder& builder, std::uint32_t first, std::u
 }
 
 struct Subtree {
-  std::vector<LightNode> nodes;
+  LargeArray<LightNode> nodes;
   std::vector<GlossCluster> gloss;
   Bounds bounds;
   std::size_t size = 0;    // nodes, also below it
@@ -295,10 +295,14 @@ void set_grid(LightTree& tree) {
   tree.step = {step(box.low.x, box.high.x), step(box.low.y, box.high.y), step(box.low.z, box.high.z)};
 }
 
-VplList take_in_order(const VplList& list, const std::vector<KeyedIndex>& order) {
+VplList take_in_order(const VplList& list, const LargeArray<KeyedIndex>& order) {
   VplList sorted;
-  sorted.vpls.reserve(order.size());
-  for (const KeyedIndex& from : order) sorted.vpls.push_back(list.vpls[from.index]);
+  sorted.vpls.resize(order.size());
+  constexpr std::size_t kBlock = 1 << 14;
+  for_each_parallel((order.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    const std::size_t last = std::min(order.size(), (block + 1) * kBlock);
+    for (std::size_t i = block * kBlock; i < last; ++i) sorted.vpls[i] = list.vpls[order[i].index];
+  });
   sorted.gloss = list.gloss;
   return sorted;
 }
@@ -317,8 +321,8 @@ LightTree make_light_tree(VplList vpls, const LightTreeParams& params) {
   EQ_CHECK(vpls.size() < (1ULL << 32), vpls.size());
   LightTree tree;
   if (vpls.size() == 0) return tree;
-  const std::vector<KeyedIndex> order = sort_vpls(vpls.vpls);
-  std::vector<std::uint64_t> keys;
+  const LargeArray<KeyedIndex> order = sort_vpls(vpls.vpls);
+  LargeArray<std::uint64_t> keys;
   keys.reserve(order.size());
   for (const KeyedIndex& from : order) keys.push_back(from.key);
   tree.vpls = take_in_order(vpls, order);

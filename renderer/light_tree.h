@@ -45,7 +45,7 @@ static_assert(sizeof(LightNode) == 32);
 
 struct LightTree {
   VplList vpls;                     ///< in the tree's order
-  std::vector<LightNode> nodes;     ///< depth first, the root in front; empty without VPLs
+  LargeArray<LightNode> nodes;      ///< depth first, the root in front; empty without VPLs
   std::vector<GlossCluster> gloss;  ///< beside nodes; empty if no VPL is glossy
   Vec3 origin, step;                ///< of the grid of boxes. units: m
 

@@ -16,6 +16,8 @@ struct LightcutParams {
   /// representatives and the expectation over tree seeds is exactly the sum.
   bool adaptive = true;
   std::function<void(double)> progress = {};  ///< told points done, from any thread
+  /// Told every shadow ray, packet by packet, from any thread. Of `valid` lanes alone.
+  std::function<void(const PointPacket& from, const PointPacket& to, std::uint32_t valid)> watch_rays = {};
 };
 
 /// What cuts came to. Sizes count clusters and single VPLs.
@@ -32,7 +34,8 @@ struct CutRecord {
 /// light does not depend on the others. Sixteen nodes, VPLs or levels at a time; a point's first thresholds
 /// come from the point before it in its block of kCutBlock. source: Walter et al., "Lightcuts: a scalable
 /// approach to illumination", SIGGRAPH 2005.
-inline constexpr std::size_t kCutBlock = 64;
+inline constexpr std::size_t kCutBlock = 32;
+inline constexpr std::size_t kMostMaterials = 16;
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
                             const LightTree& tree, const std::vector<Material>& materials,
                             const std::vector<double>& clamps_per_m2, const LightcutParams& params,

@@ -2,6 +2,7 @@
 #include "base/program.h"
 #include "base/version.h"
 #include "renderer/commands.h"
+#include "renderer/isa.h"
 #include "renderer/parallel.h"
 
 int main(int argc, char** argv) {
@@ -27,6 +28,7 @@ int main(int argc, char** argv) {
   }
   return run_program("equilux-render", [&] {
     const ThreadLimit limit(line.threads);
+    if (!line.isa.empty()) fix_isa(parse_isa(line.isa, "--isa"));
     return line.command();
   });
 }

@@ -36,7 +36,7 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
   for (std::thread& thread : threads) thread.join();
   if (failure) std::rethrow_exception(failure);
 }
-void sort_parallel(std::vector<KeyedIndex>& values) { std::sort(values.begin(), values.end()); }
+void sort_parallel(LargeArray<KeyedIndex>& values) { std::sort(values.begin(), values.end()); }
 #else
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
   tbb::parallel_for(
@@ -47,7 +47,7 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
       },
       tbb::simple_partitioner());
 }
-void sort_parallel(std::vector<KeyedIndex>& values) { tbb::parallel_sort(values.begin(), values.end()); }
+void sort_parallel(LargeArray<KeyedIndex>& values) { tbb::parallel_sort(values.begin(), values.end()); }
 #endif
 
 int count_threads() {

@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/large_array.h"
+
 namespace equilux {
 
 /// Calls body(0) .. body(count - 1), each once, on all threads, with denormals flushed.
@@ -21,7 +23,7 @@ struct KeyedIndex {
 };
 
 /// By key, then by index: the same order on any number of threads.
-void sort_parallel(std::vector<KeyedIndex>& values);
+void sort_parallel(LargeArray<KeyedIndex>& values);
 
 /// Threads that a loop may use now.
 int count_threads();

@@ -81,7 +81,7 @@ void add_prove(CLI::App& app, CommandLine& line) {
                    "Share of the object's height above its contact that is left out (0.3)")
       ->check(is_in_range(0, 0.99));
   prove->add_option("--seed", params.seed, "First seed (1)")->check(is_seed());
-  add_threads(*prove, line);
+  add_machine(*prove, line);
   prove->footer("Example: equilux-render prove stimuli/scenes/proof-room.json --geometry G2 --material MR");
   prove->callback([&line, options] { line.command = [options] { return write_proof(*options); }; });
 }

@@ -165,6 +165,22 @@ void pool_errors(const LayerStore& store, const std::vector<Condition>& conditio
   }
 }
 
+// Layers of other instruction sets differ in their last bits.
+void warn_of_mixture(const LayerStore& store, const Wanted& wanted, SetSummary& summary) {
+  std::map<std::string, std::size_t> counts;
+  for (const Family& family : wanted.families) {
+    for (const char* content : kFamilyContents) ++counts[store.record(layer_name(family, content)).isa];
+  }
+  for (const Condition& condition : wanted.conditions) ++counts[store.record(vpl_layer_name(condition)).isa];
+  counts.erase("");
+  if (counts.size() < 2) return;
+  std::string text;
+  for (const auto& [isa, count] : counts)
+    text += fmt::format("{}{} by {}", text.empty() ? "" : ", ", count, isa);
+  summary.warnings.push_back("layers of more than one instruction set, which differ in their last bits: " +
+                             text + "; --isa fixes it");
+}
+
 bool is_black(const HdrImage& image) {
   return std::all_of(image.values.begin(), image.values.end(), [](float value) { return value == 0; });
 }
@@ -219,6 +235,7 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   }
   pictures.save_record();
   pool_errors(store, wanted.conditions, summary);
+  warn_of_mixture(store, wanted, summary);
   summary.seconds["pictures"] += seconds_since(start);
 }
 

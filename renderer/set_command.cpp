@@ -14,7 +14,7 @@ void add_set(CLI::App& app, CommandLine& line) {
   set->add_option("study", params->study_path, "Study file")->required();
   set->add_option("--out", params->folder, "Study folder to make or complete")->required();
   set->add_option("--only", params->only, "Glob over keys of pictures and references");
-  add_threads(*set, line);
+  add_machine(*set, line);
   set->footer("Example: equilux-render set protocols/pocket.json --out studies/pocket --only 'G0-MS-*'");
   set->callback([&line, params] {
     line.command = [params] {

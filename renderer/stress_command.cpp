@@ -26,7 +26,7 @@ int write_stress() {
 void add_stress(CLI::App& app, CommandLine& line) {
   CLI::App* stress =
       app.add_subcommand("stress", "Run stiff and extreme cases; exit status 1 if one of them fails");
-  add_threads(*stress, line);
+  add_machine(*stress, line);
   stress->footer("Example: equilux-render stress > docs/stability-table.md");
   stress->callback([&line] { line.command = write_stress; });
 }

@@ -128,7 +128,7 @@ StressRow stress_narrow_lobe(const CutPoint& point) {
 
 void add_places(const CutPoint& point, std::vector<StressRow>& rows) {
   const Material metal = make_metal(0.05f);
-  const auto many = [](Vec3 p, Vec3 ng) { return VplList{std::vector<Vpl>(50000, make_vpl(p, ng, 1)), {}}; };
+  const auto many = [](Vec3 p, Vec3 ng) { return VplList{LargeArray<Vpl>(50000, make_vpl(p, ng, 1)), {}}; };
   rows.push_back(
       expect_sum(point, "50,000 in one place", many({0, 0, 2}, {0, 0, -1}), metal, kInfinity, 1e-4));
   rows.push_back(expect_sum(point, "50,000 on the point", many({}, {0, 0, -1}), metal, kInfinity, 0));
@@ -136,7 +136,7 @@ void add_places(const CutPoint& point, std::vector<StressRow>& rows) {
       expect_sum(point, "50,000 behind the point", many({0, 0, -2}, {0, 0, 1}), metal, kInfinity, 0));
   rows.push_back(expect_sum(point, "50,000 that face away", many({0, 0, 2}, {0, 0, 1}), metal, kInfinity, 0));
   rows.push_back(expect_sum(point, "none", {}, metal, kInfinity, 0));
-  const VplList strong{std::vector<Vpl>(50000, make_vpl({0, 0, 1e-6f}, {0, 0, -1}, 1e30f)), {}};
+  const VplList strong{LargeArray<Vpl>(50000, make_vpl({0, 0, 1e-6f}, {0, 0, -1}, 1e30f)), {}};
   rows.push_back(expect_sum(point, "50,000 of 1e30 W/sr at 1e-6 m, c = 10", strong, metal, 10, 1e-4));
   rows.push_back(expect_input_error("lightcuts", "50,000 of 1e30 W/sr at 1e-6 m, C0: beyond float",
                                     [&] { point.cut(strong, metal, kInfinity); }));

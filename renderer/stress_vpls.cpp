@@ -89,8 +89,8 @@ void add_clamps(const Point& point, std::vector<StressRow>& rows) {
 constexpr std::size_t kMany = 25000000;
 
 // Even over a half sphere of 1 to 3 m, powers even in their logarithm over twelve decades.
-std::vector<Vpl> make_many() {
-  std::vector<Vpl> vpls(kMany);
+LargeArray<Vpl> make_many() {
+  LargeArray<Vpl> vpls(kMany, Vpl{});
   RandomStream random(3, "stress.many", 0);
   for (Vpl& vpl : vpls) {
     const Vec3 direction = sample_cosine(random.next_float(), random.next_float());
@@ -100,7 +100,7 @@ std::vector<Vpl> make_many() {
   return vpls;
 }
 
-long double sum_in_long_double(const std::vector<Vpl>& vpls) {
+long double sum_in_long_double(const LargeArray<Vpl>& vpls) {
   long double sum = 0;
   for (const Vpl& vpl : vpls) {
     const long double x = vpl.p.x, y = vpl.p.y, z = vpl.p.z, r2 = x * x + y * y + z * z, r = std::sqrt(r2);

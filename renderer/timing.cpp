@@ -7,12 +7,11 @@
 #include "base/files.h"
 #include "base/program.h"
 #include "base/version.h"
+#include "renderer/isa.h"
 #include "renderer/parallel.h"
 
 namespace equilux {
 namespace {
-
-std::string processor_isa() { return __builtin_cpu_supports("avx512f") ? "avx512" : "avx2"; }
 
 std::string host_name() {
   char name[256] = {};
@@ -26,7 +25,7 @@ Json make_run(const std::map<std::string, double>& seconds_by_stage, std::size_t
   for (const auto& [stage, time] : seconds_by_stage) seconds.set(stage, time);
   Json run;
   run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", host_name());
-  run.set("built_for", "x86-64-v3").set("processor_has", processor_isa()).set("threads", count_threads());
+  run.set("isa", format_isa(current_isa())).set("threads", count_threads());
   run.set("layers_rendered", layers_rendered).set("pictures_written", pictures_written);
   run.set("seconds", std::move(seconds));
   return run;

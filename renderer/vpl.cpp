@@ -108,6 +108,33 @@ void check_finite(const VplList& list) {
     throw InputError("scene", "/lights", "lights whose VPLs are finite", fmt::format("{} that are not", bad));
 }
 
+// One part of all blocks, in their order. The blocks' own is freed on the way.
+VplList join_lists(std::vector<VplSet>& blocks, VplList VplSet::*part) {
+  std::vector<std::size_t> firsts, first_gloss;
+  std::size_t count = 0, gloss_count = 0;
+  for (const VplSet& block : blocks) {
+    firsts.push_back(count);
+    first_gloss.push_back(gloss_count);
+    count += (block.*part).size();
+    gloss_count += (block.*part).gloss.size();
+  }
+  VplList joined;
+  joined.vpls.resize(count);
+  joined.gloss.resize(gloss_count);
+  for_each_parallel(blocks.size(), [&](std::size_t i) {
+    VplList& list = blocks[i].*part;
+    std::copy(list.gloss.begin(), list.gloss.end(),
+              joined.gloss.begin() + static_cast<std::ptrdiff_t>(first_gloss[i]));
+    Vpl* place = joined.vpls.data() + firsts[i];
+    for (Vpl vpl : list.vpls) {
+      if (vpl.gloss >= 0) vpl.gloss += static_cast<std::int32_t>(first_gloss[i]);
+      *place++ = vpl;
+    }
+    list = {};
+  });
+  return joined;
+}
+
 }  // namespace
 
 void VplList::append(const VplList& other) {
@@ -147,12 +174,7 @@ VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t p
     for (std::size_t i = block * kPathsPerBlock; i < last; ++i)
       trace_path(params, PathSampler(shift, i, RandomStream(key, i)), blocks[block]);
   });
-  VplSet set;
-  set.paths = paths;
-  for (const VplSet& block : blocks) {
-    set.shared.append(block.shared);
-    set.own.append(block.own);
-  }
+  VplSet set{join_lists(blocks, &VplSet::shared), join_lists(blocks, &VplSet::own), paths};
   check_finite(set.shared);
   check_finite(set.own);
   return set;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/large_array.h"
 #include "protocols/study.h"
 #include "renderer/world.h"
 
@@ -32,7 +33,7 @@ struct VplGloss {
 };
 
 struct VplList {
-  std::vector<Vpl> vpls;
+  LargeArray<Vpl> vpls;
   std::vector<VplGloss> gloss;  ///< of those that have it; empty with Lambertian emission
 
   std::size_t size() const { return vpls.size(); }

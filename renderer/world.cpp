@@ -1,6 +1,8 @@
 // The one file that knows Embree.
 #include "renderer/world.h"
 
+#include <algorithm>
+#include <atomic>
 #include <embree3/rtcore.h>
 #include <immintrin.h>
 #include <limits>
@@ -8,6 +10,8 @@
 #include <pmmintrin.h>
 
 #include "base/error.h"
+#include "renderer/isa.h"
+#include "renderer/parallel.h"
 
 namespace equilux {
 namespace {
@@ -21,7 +25,8 @@ struct Part {
 
 RTCDevice shared_device() {
   static const RTCDevice device = [] {
-    RTCDevice made = rtcNewDevice("set_affinity=0");
+    const char* most = current_isa() == Isa::kV4 ? "avx512" : "avx2";
+    RTCDevice made = rtcNewDevice(fmt::format("set_affinity=0,max_isa={}", most).c_str());
     EQ_CHECK(made != nullptr, static_cast<int>(rtcGetDeviceError(nullptr)));
     return made;
   }();
@@ -181,7 +186,7 @@ class WorldBuilder {
     const RTCDevice device = shared_device();
     RTCScene& scene = world_.impl_->scene;
     scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene, getenv("NOROB")?RTC_SCENE_FLAG_NONE:RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     for (const Part& part : parts()) attach_part(device, scene, part);
     rtcCommitScene(scene);
@@ -294,17 +299,107 @@ std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_
   return find_unoccluded(impl_->scene, ray, valid, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
 }
 
-std::uint32_t World::find_visible(Vec3 from, const PointPacket& to, std::uint32_t valid) const {
+std::uint32_t World::find_visible(const PointPacket& from, const PointPacket& to, std::uint32_t valid, bool coherent) const {
   RTCRay16 ray;
   for (unsigned i = 0; i < 16; ++i) {
-    ray.org_x[i] = from.x;
-    ray.org_y[i] = from.y;
-    ray.org_z[i] = from.z;
-    ray.dir_x[i] = to.x[i] - from.x;
-    ray.dir_y[i] = to.y[i] - from.y;
-    ray.dir_z[i] = to.z[i] - from.z;
+    ray.org_x[i] = from.x[i];
+    ray.org_y[i] = from.y[i];
+    ray.org_z[i] = from.z[i];
+    ray.dir_x[i] = to.x[i] - from.x[i];
+    ray.dir_y[i] = to.y[i] - from.y[i];
+    ray.dir_z[i] = to.z[i] - from.z[i];
   }
-  return find_unoccluded(impl_->scene, ray, valid, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  return find_unoccluded(impl_->scene, ray, valid,
+                         coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+}
+
+namespace {
+
+template <typename Packet>
+void set_ray(Packet& packet, std::size_t lane, const ShadowRay& shadow) {
+  packet.org_x[lane] = shadow.from.x;
+  packet.org_y[lane] = shadow.from.y;
+  packet.org_z[lane] = shadow.from.z;
+  packet.dir_x[lane] = shadow.to.x - shadow.from.x;
+  packet.dir_y[lane] = shadow.to.y - shadow.from.y;
+  packet.dir_z[lane] = shadow.to.z - shadow.from.z;
+  packet.tnear[lane] = 0;
+  packet.tfar[lane] = 1;
+  packet.time[lane] = 0;
+  packet.mask[lane] = ~0u;
+  packet.flags[lane] = 0;
+  packet.id[lane] = 0;
+}
+
+template <std::size_t kWidth, typename Packet, typename Occluded>
+std::size_t count_in_packets(const ShadowRay* rays, std::size_t count, RTCIntersectContextFlags flags,
+                             const Occluded& occluded) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  std::size_t visible = 0;
+  for (std::size_t first = 0; first < count; first += kWidth) {
+    alignas(64) std::array<int, kWidth> valid{};
+    Packet packet;
+    const std::size_t lanes = std::min(kWidth, count - first);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      valid[lane] = -1;
+      set_ray(packet, lane, rays[first + lane]);
+    }
+    occluded(valid.data(), &context, &packet);
+    for (std::size_t lane = 0; lane < lanes; ++lane) visible += packet.tfar[lane] >= 0;
+  }
+  return visible;
+}
+
+std::size_t count_in_stream(RTCScene scene, const ShadowRay* rays, std::size_t count) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  std::vector<RTCRay> stream(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 d = rays[i].to - rays[i].from;
+    stream[i] = {rays[i].from.x, rays[i].from.y, rays[i].from.z, 0, d.x, d.y, d.z, 0, 1, ~0u, 0, 0};
+  }
+  rtcOccluded1M(scene, &context, stream.data(), static_cast<unsigned>(count), sizeof(RTCRay));
+  return static_cast<std::size_t>(
+      std::count_if(stream.begin(), stream.end(), [](const RTCRay& ray) { return ray.tfar >= 0; }));
+}
+
+std::size_t count_in_block(RTCScene scene, const ShadowRay* rays, std::size_t count, OcclusionQuery query) {
+  const auto sixteen = [&](RTCIntersectContextFlags flags) {
+    return count_in_packets<16, RTCRay16>(rays, count, flags, [&](const int* valid, auto* context, auto* packet) {
+      rtcOccluded16(valid, scene, context, packet);
+    });
+  };
+  switch (query) {
+    case OcclusionQuery::kOne:
+      return static_cast<std::size_t>(std::count_if(rays, rays + count, [&](const ShadowRay& ray) {
+        return !is_hit_before(scene, ray.from, ray.to - ray.from, 1);
+      }));
+    case OcclusionQuery::kEight:
+      return count_in_packets<8, RTCRay8>(
+          rays, count, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT,
+          [&](const int* valid, auto* context, auto* packet) { rtcOccluded8(valid, scene, context, packet); });
+    case OcclusionQuery::kSixteen:
+      return sixteen(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    case OcclusionQuery::kCoherentSixteen:
+      return sixteen(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+    case OcclusionQuery::kStream:
+      break;
+  }
+  return count_in_stream(scene, rays, count);
+}
+
+}  // namespace
+
+std::size_t World::count_visible(const std::vector<ShadowRay>& rays, OcclusionQuery query) const {
+  constexpr std::size_t kBlock = 4096;
+  std::atomic<std::size_t> visible = 0;
+  for_each_parallel((rays.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    const std::size_t first = block * kBlock;
+    visible += count_in_block(impl_->scene, &rays[first], std::min(kBlock, rays.size() - first), query);
+  });
+  return visible;
 }
 
 Materials make_materials(const World& world, const std::vector<MaterialSpec>& object_materials) {

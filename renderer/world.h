@@ -42,7 +42,24 @@ struct SurfacePoint {
 /// Sixteen points, structure of arrays.
 struct alignas(64) PointPacket {
   std::array<float, 16> x{}, y{}, z{};
+
+  void set(std::size_t lane, Vec3 p) {
+    x[lane] = p.x;
+    y[lane] = p.y;
+    z[lane] = p.z;
+  }
 };
+
+/// A shadow ray from one point to another.
+struct ShadowRay {
+  Vec3 from, to;
+};
+
+/// Embree's ways to ask for occlusion: ray by ray, in packets, in packets that are said to be coherent, in
+/// streams of some thousand.
+enum class OcclusionQuery { kOne, kEight, kSixteen, kCoherentSixteen, kStream };
+inline constexpr std::array kOcclusionQueries{OcclusionQuery::kOne, OcclusionQuery::kEight, OcclusionQuery::kSixteen,
+                                              OcclusionQuery::kCoherentSixteen, OcclusionQuery::kStream};
 
 /// Sets FTZ and DAZ in this thread: denormals are zero everywhere, in SSE and in Embree alike.
 void flush_denormals();
@@ -64,8 +81,13 @@ class World {
   /// The same for the lanes in `valid`, all towards one point. Gives the lanes that are NOT occluded.
   std::uint32_t find_visible(const PointPacket& from, Vec3 to, std::uint32_t valid) const;
 
-  /// The same from one point to the lanes of `to` in `valid`.
-  std::uint32_t find_visible(Vec3 from, const PointPacket& to, std::uint32_t valid) const;
+  /// The same, lane by lane.
+  /// `coherent`: groups of them run side by side.
+  std::uint32_t find_visible(const PointPacket& from, const PointPacket& to, std::uint32_t valid,
+                             bool coherent) const;
+
+  /// How many of the rays are NOT occluded, on all threads, by one way to ask: what benchmarks hold the cuts to.
+  std::size_t count_visible(const std::vector<ShadowRay>& rays, OcclusionQuery query) const;
 
   const std::vector<SpotLight>& spots() const { return spots_; }
   const std::vector<RectangleLight>& rectangles() const { return rectangles_; }

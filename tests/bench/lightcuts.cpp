@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
+#include <mutex>
 
 #include "renderer/lightcut.h"
 #include "renderer/parallel.h"
@@ -14,7 +16,7 @@ namespace {
 
 using namespace equilux;
 
-constexpr int kWidth = 560, kHeight = 420;
+constexpr int kWidth = 560, kHeight = 420, kSamples = 4;
 constexpr double kRatio = 0.0075;
 constexpr double kFloor = 1e-4;  // about a quarter of a displayed step in this room
 const std::vector<std::string> kMaterials{"MS", "MR", "GS", "LG"};
@@ -37,13 +39,13 @@ std::vector<double> all_clamps() {
   return clamps;
 }
 
-// Every `stride`-th block of the points that cuts take together.
-std::vector<ShadingPoint> take_blocks(const std::vector<ShadingPoint>& all, std::size_t stride) {
+// Every `stride`-th run of kCutBlock pixels, which cuts take together.
+std::vector<ShadingPoint> take_pixels(const std::vector<ShadingPoint>& all, std::size_t stride) {
   std::vector<ShadingPoint> points;
-  for (std::size_t block = 0; block * kCutBlock < all.size(); block += stride) {
-    const std::size_t last = std::min(all.size(), (block + 1) * kCutBlock);
-    points.insert(points.end(), all.begin() + static_cast<std::ptrdiff_t>(block * kCutBlock),
-                  all.begin() + static_cast<std::ptrdiff_t>(last));
+  std::size_t pixel = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    pixel += i > 0 && all[i].pixel != all[i - 1].pixel;
+    if (pixel / kCutBlock % stride == 0) points.push_back(all[i]);
   }
   return points;
 }
@@ -98,7 +100,10 @@ class Collector : public benchmark::BenchmarkReporter {
   }
 
   double median(const std::string& name) const {
-    std::vector<double> seconds = seconds_.at(name);
+    const auto found = seconds_.find(name);
+    if (found == seconds_.end())
+      throw std::runtime_error(name + " was not run: the table needs all, without --benchmark_filter");
+    std::vector<double> seconds = found->second;
     std::sort(seconds.begin(), seconds.end());
     return seconds[seconds.size() / 2];
   }
@@ -141,35 +146,57 @@ class Bench {
  private:
   void add_geometry(const std::string& geometry) {
     const Room& room = *(rooms_[geometry] = std::make_unique<Room>(geometry));
+    const auto points = take_pixels(room.points.at(kSamples), kStride),
+               few = take_pixels(room.points.at(kSamples), 2 * kStride),
+               singles = take_pixels(room.points.at(1), kStride);
     for (const char* count : {"100k", "1M", "5M", "25M"}) {
       const Lights& lights = *(lights_[geometry + "/" + count] =
                                    std::make_unique<Lights>(room, parse_vpl_count(count, "bench")));
-      add_cut(geometry + "/MS/" + count, room, lights, take_blocks(room.points.at(1), kStride), {"MS"},
-              all_clamps());
+      add_cut(geometry + "/MS/" + count, room, lights, points, {"MS"}, all_clamps());
+      add_cut(geometry + "/single/" + count, room, lights, singles, {"MS"}, all_clamps());
     }
     const Lights& lights = *lights_[geometry + "/5M"];
-    const auto points = take_blocks(room.points.at(1), kStride);
     for (const std::string& name : kMaterials) {
       if (name != "MS") add_cut(geometry + "/" + name + "/5M", room, lights, points, {name}, all_clamps());
       for (int level = 0; level < kClampLevelCount; ++level)
         add_cut(fmt::format("{}/{}/5M/C{}", geometry, name, level), room, lights, points, {name},
                 {clamp_per_m2(level)});
+      add_cut(geometry + "/few/" + name, room, lights, few, {name}, all_clamps());
+      add_rays(geometry + "/rays/" + name, room, lights, few, name);
     }
     add_cut(geometry + "/five", room, lights, points, kFive, all_clamps());
     for (const std::string& name : kFive)
       add_cut(geometry + "/five/" + name, room, lights, points, {name}, all_clamps());
-    for (int samples : {4, 16}) {
-      // About as many points as of one sample.
-      const auto stride = static_cast<std::size_t>(samples) * kStride;
-      add_cut(fmt::format("{}/samples/{}", geometry, samples), room, lights,
-              take_blocks(room.points.at(samples), stride), {"MS"}, all_clamps());
-    }
-    const Lights& few = *lights_[geometry + "/100k"];
-    const auto some = take_blocks(room.points.at(1), 32 * kStride);
-    add_cut(geometry + "/some", room, few, some, {"MS"}, all_clamps());
-    add(geometry + "/plain", [&room, &few, some] {
-      shade_all_vpls(room.world, some, few.tree.vpls, {room.material("MS")}, all_clamps(), [](double) {});
+    add_cut(geometry + "/sixteen", room, lights, take_pixels(room.points.at(16), 4 * kStride), {"MS"},
+            all_clamps());
+    const Lights& plain = *lights_[geometry + "/100k"];
+    const auto some = take_pixels(room.points.at(kSamples), 4 * kStride);
+    add_cut(geometry + "/some", room, plain, some, {"MS"}, all_clamps());
+    add(geometry + "/plain", [&room, &plain, some] {
+      shade_all_vpls(room.world, some, plain.tree.vpls, {room.material("MS")}, all_clamps(), [](double) {});
     });
+  }
+
+  // The shadow rays of a cut, in its order, by each of Embree's queries.
+  void add_rays(const std::string& name, const Room& room, const Lights& lights,
+                const std::vector<ShadingPoint>& points, const std::string& material) {
+    std::vector<ShadowRay>& rays = rays_[name];
+    std::mutex mutex;
+    LightcutParams params{kRatio, kFloor};
+    params.watch_rays = [&](const PointPacket& from, const PointPacket& to, std::uint32_t valid) {
+      const std::lock_guard lock(mutex);
+      for (std::size_t i = 0; i < from.x.size(); ++i) {
+        if ((valid >> i) & 1u)
+          rays.push_back({{from.x[i], from.y[i], from.z[i]}, {to.x[i], to.y[i], to.z[i]}});
+      }
+    };
+    {
+      const ThreadLimit in_order(1);
+      shade_lightcut(room.world, points, lights.tree, {room.material(material)}, all_clamps(), params);
+    }
+    for (OcclusionQuery query : kOcclusionQueries)
+      add(fmt::format("{}/{}", name, static_cast<int>(query)),
+          [&room, &rays, query] { benchmark::DoNotOptimize(room.world.count_visible(rays, query)); });
   }
 
   static void add_cut(const std::string& name, const Room& room, const Lights& lights,
@@ -196,30 +223,34 @@ class Bench {
     }
     double separately = 0;
     for (const std::string& name : kFive) separately += seconds("five/" + name);
-    const double one = seconds("MS/5M");
-    const auto of_one = [&](int samples) {
-      const auto points = static_cast<double>(take_blocks(rooms_.at(geometry)->points.at(1), kStride).size());
-      const auto more = static_cast<double>(
-          take_blocks(rooms_.at(geometry)->points.at(samples), static_cast<std::size_t>(samples) * kStride)
-              .size());
-      return seconds(fmt::format("samples/{}", samples)) / more * samples / (one / points);
-    };
-    const double whole = one * kStride;
+    double over_rays = 0;
+    for (const std::string& name : kMaterials) {
+      double best = std::numeric_limits<double>::infinity();
+      for (OcclusionQuery query : kOcclusionQueries)
+        best = std::min(best, seconds(fmt::format("rays/{}/{}", name, static_cast<int>(query))));
+      over_rays = std::max(over_rays, seconds("few/" + name) / best);
+    }
+    const double one = seconds("single/5M"), whole = one * kStride;
     const std::vector<Row> rows{
+        {"shading / the same shadow rays by the best query, worst material, 5M", over_rays, 1.5, 1.15},
         {"eleven levels / the dearest single level, worst material, 5M", levels, 1.5, 1.2},
-        {"time at 25M / time at 100k, MS", seconds("MS/25M") / seconds("MS/100k"), 2, 1.5},
-        {"exponent of time in the VPL count, 100k to 25M", find_exponent(seconds), 0.13, 0.08},
+        {"time at 25M / time at 100k, MS, one sample a pixel", seconds("single/25M") / seconds("single/100k"),
+         2, 1.5},
+        {"the same, four samples a pixel", seconds("MS/25M") / seconds("MS/100k"), 2, 1.5, false, false},
+        {"exponent of time in the VPL count, 100k to 25M, one sample a pixel",
+         find_exponent(seconds, "single"), 0.13, 0.08},
+        {"the same, four samples a pixel", find_exponent(seconds, "MS"), 0.13, 0.08, false, false},
         {"plain sum / lightcuts at 100k, MS", seconds("plain") / seconds("some"), 30, 100, true},
         {"five materials x eleven levels together / separately, 5M", seconds("five") / separately, 0.5, 0.3},
         {"bytes for each VPL at 25M", lights("25M").bytes_each(), 80, 48},
-        {"four samples a pixel / one, time", of_one(4), 3.2, 2},
-        {"sixteen samples a pixel / one, time", of_one(16), 10, 5},
+        {"four samples a pixel / one, time", seconds("MS/5M") / one, 3.2, 2},
+        {"sixteen samples a pixel / one, time", 4 * seconds("sixteen") / one, 10, 5},
         {"tree build, million VPLs/s at 25M", lights("25M").million() / lights("25M").build_seconds, 4, 10,
          true, false},
         {"VPL tracing, million VPLs/s", lights("25M").million() / lights("25M").trace_seconds, 6, 15, true,
          false},
         {"560 x 420, MS, 5M, eleven levels, 1 sample, seconds", whole, 4, 2, false, false},
-        {"the same with 4 samples, seconds", whole * of_one(4), 12, 5, false, false}};
+        {"the same with 4 samples, seconds", seconds("MS/5M") * kStride, 12, 5, false, false}};
     fmt::print("\n{}, {} threads\n\n| figure | measured | must | reach for | |\n|---|---|---|---|---|\n",
                geometry, count_threads());
     bool holds = true;
@@ -235,22 +266,23 @@ class Bench {
   }
 
   // Slope of log time over log count, by least squares.
-  static double find_exponent(const auto& seconds) {
+  static double find_exponent(const auto& seconds, const std::string& series) {
     const std::vector<std::pair<std::string, double>> counts{
         {"100k", 1e5}, {"1M", 1e6}, {"5M", 5e6}, {"25M", 2.5e7}};
     double sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (const auto& [name, count] : counts) {
-      const double x = std::log(count), y = std::log(seconds("MS/" + name));
+      const double x = std::log(count), y = std::log(seconds(series + "/" + name));
       sx += x, sy += y, sxx += x * x, sxy += x * y;
     }
     const auto n = static_cast<double>(counts.size());
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
   }
 
-  static constexpr std::size_t kStride = 16;
+  static constexpr std::size_t kStride = 32;
   const std::vector<std::string> kFive{"MS", "MR", "BS", "BR", "GS"};
   std::map<std::string, std::unique_ptr<Room>> rooms_;
   std::map<std::string, std::unique_ptr<Lights>> lights_;
+  std::map<std::string, std::vector<ShadowRay>> rays_;
 };
 
 }  // namespace
@@ -261,5 +293,10 @@ int main(int argc, char** argv) {
   arguments.push_back(interleave);
   int count = static_cast<int>(arguments.size());
   benchmark::Initialize(&count, arguments.data());
-  return Bench().run();
+  try {
+    return Bench().run();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "renderer/isa.h"
 #include "tests/renderer/cafe_lights.h"
 #include "tests/support/statistics.h"
 
@@ -26,7 +27,7 @@ TEST_P(Lightcut, OfRatioZeroIsThePlainSum) {
     CutRecord record;
     const LightTree tree = make_light_tree(cafe.vpls, {1, 1});
     const ShadedPoints cut =
-        shade_lightcut_scalar(cafe.world, cafe.points, tree, cafe.materials, kAllClamps, {0, 0}, &record);
+        GetParam()(cafe.world, cafe.points, tree, cafe.materials, kAllClamps, {0, 0}, &record);
     ASSERT_EQ(sum.radiance.size(), cut.radiance.size());
     for (std::size_t i = 0; i < sum.radiance.size(); ++i) {
       for (const auto& [a, b] : {std::pair{sum.radiance[i].x, cut.radiance[i].x},
@@ -61,8 +62,6 @@ TEST_P(Lightcut, IsWithinItsErrorOfThePlainSumForEveryMaterialAndLevel) {
   }
   double mean = 0;
   for (std::uint32_t size : record.sizes) mean += size / static_cast<double>(record.sizes.size());
-  // The fast one cuts for each material by itself.
-  if (GetParam() == &shade_lightcut) mean /= static_cast<double>(cafe.materials.size());
   EXPECT_LT(mean, 0.25 * static_cast<double>(cafe.vpls.size()));
   RecordProperty("mean_cut", std::to_string(mean));
 }
@@ -170,8 +169,8 @@ TEST(Cafe, LosesLightOnSmoothMetalFromNoneToNearlyAllAndAtC4AboutTheContact) {
   EXPECT_LT(left(10, 0), 0.2);
 }
 
-// Two codes of one rule: cuts of nearly one size (the fast one starts from its neighbour's thresholds, and
-// cuts each material by itself), light within what the rule leaves open.
+// Two codes of one rule: cuts of nearly one size (the fast one starts from its neighbour's thresholds), light
+// within what the rule leaves open.
 TEST(Lightcuts, OfBothCodesAgree) {
   for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
     const Cafe cafe("G2", 24, 6000, emission, {"MS"});
@@ -191,6 +190,87 @@ TEST(Lightcuts, OfBothCodesAgree) {
     }
     EXPECT_LT(std::sqrt(squares), 0.01);
   }
+}
+
+// Samples of a pixel share a cut, each by its own rule, whatever their number and wherever they lie.
+TEST(Lightcuts, OfSamplesOfAPixelKeepTheRuleOfEachSample) {
+  for (const std::size_t samples : {2u, 3u, 4u, 7u, 16u, 23u}) {
+    Cafe cafe("G2", 24, 3000, Emission::kLambertian, {"MS", "GS"});
+    const ShadedPoints sum = cafe.sum(kAllClamps);
+    for (std::size_t i = 0; i < cafe.points.size(); ++i)
+      cafe.points[i].pixel = static_cast<std::uint32_t>(i / samples);
+    CutRecord record;
+    const ShadedPoints all = cafe.cut(&shade_lightcut, kAllClamps, 0, 1),
+                       cut = cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1, &record, 4);
+    double squares = 0, worst = 0;
+    for (std::size_t i = 0; i < sum.radiance.size(); ++i) {
+      const double truth = luminance(sum.radiance[i]);
+      ASSERT_NEAR(luminance(all.radiance[i]), truth, 2e-4 * truth) << samples << " at " << i;
+      const double error = std::abs(luminance(cut.radiance[i]) - truth) / (truth + 1e-5);
+      squares += error * error / static_cast<double>(sum.radiance.size());
+      worst = std::max(worst, error);
+    }
+    EXPECT_LT(std::sqrt(squares), 0.015) << samples;
+    EXPECT_LT(worst, 0.1) << samples;
+    for (std::size_t i = 1; i < cafe.points.size(); ++i) {
+      if (i / samples == (i - 1) / samples && i % samples % 16 != 0)
+        ASSERT_EQ(record.sizes[i], record.sizes[i - 1]) << samples << " at " << i;
+    }
+  }
+}
+
+// One rule for all materials: as good for each as a cut of its own, and shorter than all those together.
+TEST(Lightcuts, OfSeveralMaterialsKeepTheRuleOfEach) {
+  const Cafe cafe("G0", 24, 6000, Emission::kLambertian, {"MS", "MR", "BS", "BR", "GS", "LG"});
+  const ShadedPoints sum = cafe.sum(kAllClamps);
+  CutRecord together;
+  const ShadedPoints cut = cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1, &together, 4);
+  double separately = 0, joint = 0;
+  for (std::size_t m = 0; m < cafe.materials.size(); ++m) {
+    Cafe one = Cafe("G0", 24, 6000, Emission::kLambertian, {"MS"});
+    one.materials = {cafe.materials[m]};
+    CutRecord record;
+    const ShadedPoints own = one.cut(&shade_lightcut, kAllClamps, 0.0075, 1, &record, 4);
+    separately += static_cast<double>(record.shadow_rays);
+    double squares = 0, own_squares = 0;
+    for (std::size_t level = 0; level < kAllClamps.size(); ++level) {
+      for (std::size_t i = 0; i < cafe.points.size(); ++i) {
+        const double truth = luminance(sum.radiance[sum.index(m, level, i)]) + 1e-5;
+        squares +=
+            std::pow(luminance(cut.radiance[cut.index(m, level, i)]) + 1e-5 - truth, 2) / (truth * truth);
+        own_squares +=
+            std::pow(luminance(own.radiance[own.index(0, level, i)]) + 1e-5 - truth, 2) / (truth * truth);
+      }
+    }
+    EXPECT_LT(squares, 1.2 * own_squares) << m;
+  }
+  joint = static_cast<double>(together.shadow_rays);
+  EXPECT_LT(joint, 0.6 * separately);
+}
+
+// What is chosen at the start changes no more than rounding, and what that tips.
+TEST(Lightcuts, OfBothInstructionSetsAgree) {
+  if (!has_isa(Isa::kV4)) GTEST_SKIP() << "this processor has one";
+  const Isa before = current_isa();
+  for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
+    const Cafe cafe("G2", 24, 3000, emission);
+    std::vector<ShadedPoints> sums, all, cuts;
+    for (const Isa isa : {Isa::kV3, Isa::kV4}) {
+      fix_isa(isa);
+      sums.push_back(cafe.sum(kAllClamps));
+      all.push_back(cafe.cut(&shade_lightcut, kAllClamps, 0, 1));
+      cuts.push_back(cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1));
+    }
+    double squares = 0;
+    for (std::size_t i = 0; i < sums[0].radiance.size(); ++i) {
+      const double sum = luminance(sums[0].radiance[i]), scale = sum + 1e-5;
+      ASSERT_NEAR(luminance(sums[1].radiance[i]), sum, 2e-4 * scale) << i;
+      ASSERT_NEAR(luminance(all[1].radiance[i]), luminance(all[0].radiance[i]), 2e-4 * scale) << i;
+      squares += std::pow((luminance(cuts[1].radiance[i]) - luminance(cuts[0].radiance[i])) / scale, 2);
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(sums[0].radiance.size())), 2e-3);
+  }
+  fix_isa(before);
 }
 
 }  // namespace
