@@ -4,18 +4,39 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <exception>
+#include <unistd.h>
 
 #include "base/error.h"
 
 namespace equilux {
+namespace {
+
+char interrupted_text[256];
+
+// Files get their names when they are whole, so there is nothing to clean up.
+void leave(int signal) {
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, interrupted_text, std::strlen(interrupted_text));
+  _exit(128 + signal);
+}
+
+void tell_of_interruption(const std::string& name) {
+  std::snprintf(interrupted_text, sizeof interrupted_text,
+                "\n%s: interrupted; what was finished is kept, the same command goes on from there\n",
+                name.c_str());
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, leave);
+}
+
+}  // namespace
 
 int run_program(const std::string& name, const std::function<int()>& body) {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) {
     fmt::print(stderr, "{}: this build needs a processor with AVX2 and FMA (x86-64-v3)\n", name);
     return kExitError;
   }
+  tell_of_interruption(name);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails a write, as a full disk does
   try {
     return body();

@@ -7,8 +7,12 @@
 #include <vector>
 
 #include "renderer/cluster_bound.h"
-#include "renderer/isa_begin.h"
 #include "renderer/lanes.h"
+
+// After all other headers.
+// clang-format off
+#include "renderer/isa_begin.h"
+// clang-format on
 
 namespace equilux::EQ_ISA {
 

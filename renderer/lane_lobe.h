@@ -1,9 +1,13 @@
 // The glossy lobes of the Ward family, sixteen pairs of directions at a time.
 #pragma once
 
-#include "renderer/isa_begin.h"
 #include "renderer/lanes.h"
 #include "renderer/material.h"
+
+// After all other headers.
+// clang-format off
+#include "renderer/isa_begin.h"
+// clang-format on
 
 namespace equilux::EQ_ISA {
 

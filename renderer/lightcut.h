@@ -22,20 +22,23 @@ struct LightcutParams {
 
 /// What cuts came to. Sizes count clusters and single VPLs.
 struct CutRecord {
-  std::vector<std::uint32_t> sizes;  ///< of each point, over all its cuts
+  std::vector<std::uint32_t> sizes;  ///< of each point's cut
   std::uint64_t shadow_rays = 0;
 };
+
+/// Pixels in a run of cuts that hand on their totals, and the most materials of one call.
+inline constexpr std::size_t kCutBlock = 32;
+inline constexpr std::size_t kMostMaterials = 16;
 
 /// As shade_all_vpls, to within what the ratio allows: in every cluster of the cut
 ///   bound(level, material) <= error_ratio x max(total(level, material), floor),
 /// with the totals that the cut itself gives. No cut is too large. A cluster's light is its representative's,
 /// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum, but
-/// for what totals that depend on the representatives do. Each material has cuts of its own, so that its
-/// light does not depend on the others. Sixteen nodes, VPLs or levels at a time; a point's first thresholds
-/// come from the point before it in its block of kCutBlock. source: Walter et al., "Lightcuts: a scalable
-/// approach to illumination", SIGGRAPH 2005.
-inline constexpr std::size_t kCutBlock = 32;
-inline constexpr std::size_t kMostMaterials = 16;
+/// for what totals that depend on the representatives do. Points of one pixel that follow one another share a
+/// cut, up to sixteen, each by its own rule; so do the materials, at most kMostMaterials: light of one then
+/// depends, within the rule, on what else was asked for. A pixel's first thresholds come from the pixel
+/// before it in its run of kCutBlock. source: Walter et al., "Lightcuts: a scalable approach to
+/// illumination", SIGGRAPH 2005.
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
                             const LightTree& tree, const std::vector<Material>& materials,
                             const std::vector<double>& clamps_per_m2, const LightcutParams& params,

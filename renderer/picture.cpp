@@ -114,12 +114,16 @@ HdrImage shade_object(const PictureScene& scene, const PictureParams& params, st
 
 void shade_objects(const PictureScene& scene, const PictureParams& params, Picture& picture) {
   const std::int64_t path_count = find_path_count(scene.world, *params.vpl_count, params.seed);
-  VplSet vpls = trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
-  picture.vpl_count = vpls.count();
-  Lights lights{std::move(vpls.shared), {}, find_floor(picture, scene.primary)};
-  lights.list.append(vpls.own);
-  if (!is_summed_plainly(*params.vpl_count))
-    lights.tree = make_light_tree(std::move(lights.list), {params.seed, 4});
+  Lights lights;
+  lights.floor = find_floor(picture, scene.primary);
+  with_vpl_memory(*params.vpl_count, [&] {
+    VplSet vpls = trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
+    picture.vpl_count = vpls.count();
+    lights.list = std::move(vpls.shared);
+    lights.list.append(vpls.own);
+    if (!is_summed_plainly(*params.vpl_count))
+      lights.tree = make_light_tree(std::move(lights.list), {params.seed, 4});
+  });
   double points = 0;
   for (const PrimaryHit& hit : scene.primary.hits) points += hit.kind == PrimaryKind::kObject;
   Progress progress("shading", points * static_cast<double>(picture.vpl_count));

@@ -217,14 +217,15 @@ void render_lightcuts(const VplJob& job) {
   LightTree shared_tree;
   for (const auto& [name, some] : job.wanted) {
     const Material material = make_material(find_material(group.scene, name));
-    VplSet set = trace_set(job, name);
-    const std::int64_t count = set.count();
     LightTree own_tree;
-    {
+    std::int64_t count = 0;
+    with_vpl_memory(job.vpl_count, [&] {
+      VplSet set = trace_set(job, name);
+      count = set.count();
       const Stopwatch watch(group.seconds["light trees"]);
       if (shared_tree.empty()) shared_tree = make_light_tree(std::move(set.shared), tree_params);
       own_tree = make_light_tree(std::move(set.own), tree_params);
-    }
+    });
     const auto advance = [&](double points) { group.progress.advance(kCutCost * points); };
     const MeasuredCut cut =
         shade_measured({group.world, job.points, {&shared_tree, &own_tree}, material, clamps, advance},

@@ -5,10 +5,14 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "renderer/isa_begin.h"
 #include "renderer/kernels.h"
 #include "renderer/lane_lobe.h"
 #include "renderer/parallel.h"
+
+// After all other headers.
+// clang-format off
+#include "renderer/isa_begin.h"
+// clang-format on
 
 namespace equilux::EQ_ISA {
 namespace {
@@ -151,6 +155,15 @@ class Accumulator {
     }
   }
 
+  void add(const Accumulator& other) {
+    for (std::size_t i = 0; i < total_.size(); ++i) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        for (std::size_t channel = 0; channel < 3; ++channel)
+          total_[i][lane][channel] += other.total_[i][lane][channel];
+      }
+    }
+  }
+
   Vec3 total(std::size_t material, std::size_t level, std::size_t lane) const {
     const auto& sum = total_[material * levels_ + level][lane];
     return {static_cast<float>(sum[0]), static_cast<float>(sum[1]), static_cast<float>(sum[2])};
@@ -200,7 +213,9 @@ struct PairCounts {
   std::uint64_t coincident = 0, rays = 0;
 };
 
-PairCounts sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator& accumulator) {
+// Of the VPLs from `from` to `to`.
+PairCounts sum_vpls(const ShadeJob& job, const PointGroup& group, std::size_t from, std::size_t to,
+                    Accumulator& accumulator) {
   PairCounts counts;
   const auto sum_vpl = [&](std::size_t i) {
     Sight sight;
@@ -218,13 +233,57 @@ PairCounts sum_vpls(const ShadeJob& job, const PointGroup& group, Accumulator& a
     for (std::size_t m = 0; m < job.materials.size(); ++m)
       accumulator.add(m, eval_m(job.materials[m], group, sight), sight);
   };
-  for (std::size_t first = 0; first < job.list.size(); first += kBlock) {
-    const std::size_t last = std::min(job.list.size(), first + kBlock);
+  for (std::size_t first = from; first < to; first += kBlock) {
+    const std::size_t last = std::min(to, first + kBlock);
     for (std::size_t i = first; i < last; ++i) sum_vpl(i);
     accumulator.close_block();
   }
   return counts;
 }
+
+// Parts of the list that are summed side by side, where there are too few groups to share out.
+std::size_t count_parts(std::size_t groups, std::size_t vpls) {
+  constexpr std::size_t kEnough = 64, kSmallest = 64 * kBlock;
+  return groups >= kEnough
+             ? 1
+             : std::clamp<std::size_t>(vpls / kSmallest, 1, kEnough / std::max<std::size_t>(groups, 1));
+}
+
+// A group's light, from the list in parts.
+class GroupSums {
+ public:
+  GroupSums(const ShadeJob& job, const std::vector<double>& clamps, PointGroup group, std::size_t parts)
+      : job_(job), group_(group), parts_(parts, Accumulator(job.materials.size(), clamps)), counts_(parts) {}
+
+  void sum(std::size_t part) {
+    const std::size_t size = job_.list.size(), count = parts_.size();
+    counts_[part] = sum_vpls(job_, group_, size * part / count, size * (part + 1) / count, parts_[part]);
+  }
+
+  PairCounts join() {
+    for (std::size_t i = 1; i < parts_.size(); ++i) {
+      parts_[0].add(parts_[i]);
+      counts_[0].coincident += counts_[i].coincident;
+      counts_[0].rays += counts_[i].rays;
+    }
+    return counts_[0];
+  }
+
+  void write_light(std::size_t first, std::size_t count, ShadedPoints& shaded) const {
+    for (std::size_t m = 0; m < job_.materials.size(); ++m) {
+      for (std::size_t level = 0; level < shaded.levels; ++level) {
+        for (std::size_t lane = 0; lane < count; ++lane)
+          shaded.radiance[shaded.index(m, level, first + lane)] = parts_[0].total(m, level, lane);
+      }
+    }
+  }
+
+ private:
+  const ShadeJob& job_;
+  PointGroup group_;
+  std::vector<Accumulator> parts_;
+  std::vector<PairCounts> counts_;
+};
 
 }  // namespace
 
@@ -237,21 +296,18 @@ ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>&
   std::atomic<std::uint64_t> coincident = 0, rays = 0;
   const ShadeJob job{world, vpls, materials, roulette, make_stream_key(roulette.seed, "shadow-roulette")};
   shaded.radiance.resize(materials.size() * shaded.levels * shaded.points);
-  for_each_parallel((points.size() + kLanes - 1) / kLanes, [&](std::size_t index) {
+  const std::size_t groups = (points.size() + kLanes - 1) / kLanes, parts = count_parts(groups, vpls.size());
+  for_each_parallel(groups, [&](std::size_t index) {
     const std::size_t first = index * kLanes, count = std::min(kLanes, points.size() - first);
-    const PointGroup group = make_group(&points[first], count, index);
-    Accumulator accumulator(materials.size(), clamps_per_m2);
-    const PairCounts counts = sum_vpls(job, group, accumulator);
+    GroupSums sums(job, clamps_per_m2, make_group(&points[first], count, index), parts);
+    for_each_parallel(parts, [&](std::size_t part) {
+      sums.sum(part);
+      progress(static_cast<double>(count) * static_cast<double>(vpls.size()) / static_cast<double>(parts));
+    });
+    const PairCounts counts = sums.join();
     coincident += counts.coincident;
     rays += counts.rays;
-    for (std::size_t m = 0; m < materials.size(); ++m) {
-      for (std::size_t level = 0; level < shaded.levels; ++level) {
-        for (std::size_t lane = 0; lane < count; ++lane) {
-          shaded.radiance[shaded.index(m, level, first + lane)] = accumulator.total(m, level, lane);
-        }
-      }
-    }
-    progress(static_cast<double>(count) * static_cast<double>(vpls.size()));
+    sums.write_light(first, count, shaded);
   });
   shaded.coincident = coincident;
   shaded.rays = rays;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/random.h"
 #include "renderer/lights.h"
 #include "renderer/parallel.h"
@@ -189,6 +190,11 @@ std::int64_t find_path_count(const World& world, std::int64_t target, std::uint6
     throw InputError("scene", "/lights", "light that reaches a surface that is not black", "none");
   const double per_path = static_cast<double>(pilot.count()) / static_cast<double>(kPilotPaths);
   return std::max<std::int64_t>(1, std::llround(static_cast<double>(target) / per_path));
+}
+
+void with_vpl_memory(std::int64_t count, const std::function<void()>& body) {
+  constexpr std::uint64_t kBytesPerVpl = 200;  // at the peak, measured at 25 million
+  with_memory(fmt::format("{} VPLs", count), kBytesPerVpl * static_cast<std::uint64_t>(count), body);
 }
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,10 @@ Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo);
 /// another stream and a grey Lambertian object), rounded, at least 1. One number for all materials. errors:
 /// InputError if no path leaves a VPL.
 std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed);
+
+/// Runs what traces about `count` VPLs and builds their tree, if there is memory for that
+/// (docs/performance.md). errors: InputError
+void with_vpl_memory(std::int64_t count, const std::function<void()>& body);
 
 /// Traces `paths` particles from the lights; at every surface that they meet they leave a VPL, if it sends
 /// light on. All are kept. The particles do not depend on `emission`.

@@ -14,7 +14,7 @@ namespace {
 // anew.
 constexpr int kPathEstimator = 4;
 constexpr int kVplEstimator = 4;
-constexpr int kLightcutEstimator = 3;
+constexpr int kLightcutEstimator = 4;
 
 // Where the two cost the same in the café, for the eleven levels of one material.
 constexpr std::int64_t kMostPlainVpls = 20000;

@@ -1,12 +1,14 @@
 // Where a program ends: exit codes, the message, and how a duration reads.
 #include "base/program.h"
 
+#include <csignal>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <new>
 #include <thread>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/progress.h"
 #include "tests/support/failures.h"
 
@@ -21,6 +23,31 @@ TEST(RunProgram, PassesTheExitCodeOn) {
   EXPECT_EQ(kExitOk, 0);
   EXPECT_EQ(kExitError, 1);
   EXPECT_EQ(kExitUsage, 2);
+}
+
+TEST(RunProgramDeathTest, SaysThatItWasInterrupted) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    EXPECT_EXIT(run_program("p",
+                            [&] {
+                              std::raise(signal);
+                              return 0;
+                            }),
+                testing::ExitedWithCode(128 + signal), "p: interrupted; what was finished is kept");
+  }
+}
+
+TEST(WithMemory, RunsWhatFitsAndNamesBothAmountsOfWhatDoesNot) {
+  const auto there = find_available_memory();
+  ASSERT_TRUE(there.has_value());
+  EXPECT_GT(*there, 100u << 20);
+  bool ran = false;
+  with_memory("little", 1 << 20, [&] { ran = true; });
+  EXPECT_TRUE(ran);
+  EXPECT_THAT([] { with_memory("7 VPLs", std::uint64_t{1} << 50, [] { FAIL() << "it ran"; }); },
+              testing::ThrowsMessage<InputError>(
+                  MatchesRegex("7 VPLs: expected about 1048576.0 GiB of memory, got [0-9.]+ GiB")));
+  EXPECT_THAT([] { with_memory("7 VPLs", 1, [] { throw std::bad_alloc(); }); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("an allocation failed with")));
 }
 
 TEST(RunProgram, TurnsAnExceptionIntoOneLineAndExitCodeOne) {
