@@ -6,8 +6,10 @@
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "renderer/isa.h"
 #include "renderer/parallel.h"
 #include "stimuli/exr_file.h"
+#include "stimuli/layers.h"
 #include "stimuli/png_file.h"
 #include "tests/renderer/tiny_study.h"
 
@@ -261,6 +263,26 @@ TEST(Set, TellsOfEveryVplPictureHowItWasMadeAndItsMeasuredError) {
   EXPECT_EQ(again.layers_rendered, 0u);
   EXPECT_EQ(again.cut_errors.at(30000).p99, pooled.p99);
   EXPECT_EQ(load_text(cuts / "manifest.json"), before);
+}
+
+TEST(Set, OfTwoInstructionSetsIsWarnedOf) {
+  const test::TinyStudy study;
+  const test::Folder folder;
+  EXPECT_TRUE(make_set({study.path(), folder.path(), "G0-MS-ind-*v0"}).warnings.empty());
+  Layers layers = load_layers(folder / "layers.json");
+  LayerRecord& one = layers.by_name.at("G0-MS-ind-100-C4-v0");
+  const std::string mine = format_isa(current_isa());
+  EXPECT_EQ(one.isa, mine);
+  one.isa = mine == "v4" ? "v3" : "v4";
+  save_layers(layers, folder / "layers.json");
+  const SetSummary mixed = make_set({study.path(), folder.path(), "G0-MS-ind-*v0"});
+  EXPECT_EQ(mixed.layers_rendered, 0u);
+  ASSERT_EQ(mixed.warnings.size(), 1u);
+  EXPECT_NE(mixed.warnings[0].find("1 by " + one.isa), std::string::npos) << mixed.warnings[0];
+  // What an older program made does not say.
+  one.isa = "";
+  save_layers(layers, folder / "layers.json");
+  EXPECT_TRUE(make_set({study.path(), folder.path(), "G0-MS-ind-*v0"}).warnings.empty());
 }
 
 TEST(Set, OfACertifiedStudyErrsByUnderOnePerCentAtNinetyNineOfAHundredPoints) {
