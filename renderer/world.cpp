@@ -186,7 +186,7 @@ class WorldBuilder {
     const RTCDevice device = shared_device();
     RTCScene& scene = world_.impl_->scene;
     scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, getenv("NOROB")?RTC_SCENE_FLAG_NONE:RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene, getenv("NOROB") ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     for (const Part& part : parts()) attach_part(device, scene, part);
     rtcCommitScene(scene);
@@ -299,7 +299,8 @@ std::uint32_t World::find_visible(const PointPacket& from, Vec3 to, std::uint32_
   return find_unoccluded(impl_->scene, ray, valid, RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
 }
 
-std::uint32_t World::find_visible(const PointPacket& from, const PointPacket& to, std::uint32_t valid, bool coherent) const {
+std::uint32_t World::find_visible(const PointPacket& from, const PointPacket& to, std::uint32_t valid,
+                                  bool coherent) const {
   RTCRay16 ray;
   for (unsigned i = 0; i < 16; ++i) {
     ray.org_x[i] = from.x[i];
@@ -309,8 +310,9 @@ std::uint32_t World::find_visible(const PointPacket& from, const PointPacket& to
     ray.dir_y[i] = to.y[i] - from.y[i];
     ray.dir_z[i] = to.z[i] - from.z[i];
   }
-  return find_unoccluded(impl_->scene, ray, valid,
-                         coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+  return find_unoccluded(
+      impl_->scene, ray, valid,
+      coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
 }
 
 namespace {
@@ -367,9 +369,9 @@ std::size_t count_in_stream(RTCScene scene, const ShadowRay* rays, std::size_t c
 
 std::size_t count_in_block(RTCScene scene, const ShadowRay* rays, std::size_t count, OcclusionQuery query) {
   const auto sixteen = [&](RTCIntersectContextFlags flags) {
-    return count_in_packets<16, RTCRay16>(rays, count, flags, [&](const int* valid, auto* context, auto* packet) {
-      rtcOccluded16(valid, scene, context, packet);
-    });
+    return count_in_packets<16, RTCRay16>(
+        rays, count, flags,
+        [&](const int* valid, auto* context, auto* packet) { rtcOccluded16(valid, scene, context, packet); });
   };
   switch (query) {
     case OcclusionQuery::kOne:
@@ -377,9 +379,10 @@ std::size_t count_in_block(RTCScene scene, const ShadowRay* rays, std::size_t co
         return !is_hit_before(scene, ray.from, ray.to - ray.from, 1);
       }));
     case OcclusionQuery::kEight:
-      return count_in_packets<8, RTCRay8>(
-          rays, count, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT,
-          [&](const int* valid, auto* context, auto* packet) { rtcOccluded8(valid, scene, context, packet); });
+      return count_in_packets<8, RTCRay8>(rays, count, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT,
+                                          [&](const int* valid, auto* context, auto* packet) {
+                                            rtcOccluded8(valid, scene, context, packet);
+                                          });
     case OcclusionQuery::kSixteen:
       return sixteen(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
     case OcclusionQuery::kCoherentSixteen:

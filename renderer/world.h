@@ -58,8 +58,9 @@ struct ShadowRay {
 /// Embree's ways to ask for occlusion: ray by ray, in packets, in packets that are said to be coherent, in
 /// streams of some thousand.
 enum class OcclusionQuery { kOne, kEight, kSixteen, kCoherentSixteen, kStream };
-inline constexpr std::array kOcclusionQueries{OcclusionQuery::kOne, OcclusionQuery::kEight, OcclusionQuery::kSixteen,
-                                              OcclusionQuery::kCoherentSixteen, OcclusionQuery::kStream};
+inline constexpr std::array kOcclusionQueries{OcclusionQuery::kOne, OcclusionQuery::kEight,
+                                              OcclusionQuery::kSixteen, OcclusionQuery::kCoherentSixteen,
+                                              OcclusionQuery::kStream};
 
 /// Sets FTZ and DAZ in this thread: denormals are zero everywhere, in SSE and in Embree alike.
 void flush_denormals();
@@ -86,7 +87,8 @@ class World {
   std::uint32_t find_visible(const PointPacket& from, const PointPacket& to, std::uint32_t valid,
                              bool coherent) const;
 
-  /// How many of the rays are NOT occluded, on all threads, by one way to ask: what benchmarks hold the cuts to.
+  /// How many of the rays are NOT occluded, on all threads, by one way to ask: what benchmarks hold the cuts
+  /// to.
   std::size_t count_visible(const std::vector<ShadowRay>& rays, OcclusionQuery query) const;
 
   const std::vector<SpotLight>& spots() const { return spots_; }

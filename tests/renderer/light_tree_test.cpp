@@ -236,8 +236,7 @@ TEST(ClusterBounds, HoldForEveryMemberPointMaterialAndLevel) {
             const std::size_t i = first + lane;
             const float scalar = bound_transfer(most_m[i], sights[i].least_r2, kUnclamped);
             // Of narrower lobes the exponential makes much of the last bit, and so does the horizon.
-            const bool wide =
-                (material.alpha == 0 || material.alpha > 0.01f) && sights[i].most_cos > 1e-4f;
+            const bool wide = (material.alpha == 0 || material.alpha > 0.01f) && sights[i].most_cos > 1e-4f;
             if (wide && std::isfinite(scalar) && scalar > 1e-30f && bounds.peak[lane] > 1e-30f)
               furthest = std::max(furthest, std::abs(std::log(double{bounds.peak[lane]} / scalar)));
             lane_peaks.push_back(bounds.peak[lane]);
