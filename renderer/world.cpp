@@ -186,7 +186,7 @@ class WorldBuilder {
     const RTCDevice device = shared_device();
     RTCScene& scene = world_.impl_->scene;
     scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, getenv("NOROB") ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
     for (const Part& part : parts()) attach_part(device, scene, part);
     rtcCommitScene(scene);
