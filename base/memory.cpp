@@ -17,21 +17,30 @@ std::optional<std::uint64_t> read_number(const std::string& path) {
   return {};
 }
 
-std::optional<std::uint64_t> find_system_memory() {
-  std::ifstream file("/proc/meminfo");
-  std::string name, unit;
-  for (std::uint64_t kibibytes = 0; file >> name >> kibibytes; std::getline(file, unit)) {
-    if (name == "MemAvailable:") return kibibytes * 1024;
+// Of lines of a name, a number and perhaps more.
+std::optional<std::uint64_t> read_entry(const std::string& path, const std::string& wanted) {
+  std::ifstream file(path);
+  std::string name, rest;
+  for (std::uint64_t number = 0; file >> name >> number; std::getline(file, rest)) {
+    if (name == wanted) return number;
   }
   return {};
 }
 
-// "max" where there is no limit, which is no number.
+std::optional<std::uint64_t> find_system_memory() {
+  const auto kibibytes = read_entry("/proc/meminfo", "MemAvailable:");
+  if (!kibibytes) return {};
+  return *kibibytes * 1024;
+}
+
+// "max" where there is no limit, which is no number. Files that are kept in case they are read again count as
+// used but give way.
 std::optional<std::uint64_t> find_group_memory() {
   const auto most = read_number("/sys/fs/cgroup/memory.max"),
              used = read_number("/sys/fs/cgroup/memory.current");
   if (!most || !used) return {};
-  return *most - std::min(*most, *used);
+  const std::uint64_t files = read_entry("/sys/fs/cgroup/memory.stat", "inactive_file").value_or(0);
+  return *most - std::min(*most, *used - std::min(*used, files));
 }
 
 std::string format_gibibytes(std::uint64_t bytes) {

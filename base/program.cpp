@@ -16,17 +16,21 @@ namespace {
 
 char interrupted_text[256];
 
-// Files get their names when they are whole, so there is nothing to clean up.
+// Files get their names when they are whole, so there is nothing to clean up. Ends by the signal itself, so
+// that a shell knows.
 void leave(int signal) {
   [[maybe_unused]] const auto written = write(STDERR_FILENO, interrupted_text, std::strlen(interrupted_text));
-  _exit(128 + signal);
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 void tell_of_interruption(const std::string& name) {
   std::snprintf(interrupted_text, sizeof interrupted_text,
-                "\n%s: interrupted; what was finished is kept, the same command goes on from there\n",
-                name.c_str());
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, leave);
+                "\n%s: interrupted; files that were finished are kept\n", name.c_str());
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // Whoever started it in the background may have had it ignored.
+    if (std::signal(signal, leave) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The fast lightcut: one cut for the samples of a pixel. Sixteen lanes are S samples by 16 / S nodes, lights
-// or clamp levels; lane = slot x S + sample.
+// The fast lightcut: one cut for the samples of a pixel. Sixteen lanes are S samples by 16 / S nodes or
+// lights; lane = slot x S + sample.
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -459,7 +459,7 @@ class GroupCut {
     sight.light = select(sight.seen, {load(r.data()), load(g.data()), load(b.data())}, splat({}));
   }
 
-  // The same where VPLs have gloss.
+  // As the scale of sight_members, also of a VPL with gloss.
   float find_scale(std::uint32_t member) const {
     const std::uint32_t node = members_.node(member);
     if (node == Table::kSingle) return 1;
@@ -622,7 +622,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
                             const std::vector<double>& clamps_per_m2, const LightcutParams& params,
                             CutRecord* record) {
   EQ_CHECK(params.error_ratio >= 0 && params.floor >= 0, params.error_ratio, params.floor);
-  EQ_CHECK(clamps_per_m2.size() <= kLanes, clamps_per_m2.size());
+  EQ_CHECK(!clamps_per_m2.empty() && clamps_per_m2.size() <= kLanes, clamps_per_m2.size());
   EQ_CHECK(materials.size() <= kMostMaterials, materials.size());
   ShadedPoints shaded{clamps_per_m2.size(), points.size(), {}, 0};
   shaded.radiance.resize(materials.size() * shaded.levels * shaded.points);

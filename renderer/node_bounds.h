@@ -1,4 +1,5 @@
-// Bounds of sixteen nodes at a time, for the fast lightcut.
+// Bounds of sixteen nodes at a time, as the fast lightcut has them: a door for those who hold them to the
+// scalar ones.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Light of VPLs at points of the object: the plain sum, all clamp levels and materials in one pass.
-// shade_lightcut will stand beside it, with the same inputs and outputs.
+// shade_lightcut has the same inputs and outputs.
 #pragma once
 
 #include <cstdint>

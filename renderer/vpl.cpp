@@ -193,7 +193,7 @@ std::int64_t find_path_count(const World& world, std::int64_t target, std::uint6
 }
 
 void with_vpl_memory(std::int64_t count, const std::function<void()>& body) {
-  constexpr std::uint64_t kBytesPerVpl = 200;  // at the peak, measured at 25 million
+  constexpr std::uint64_t kBytesPerVpl = 160;  // at the peak, see docs/performance.md
   with_memory(fmt::format("{} VPLs", count), kBytesPerVpl * static_cast<std::uint64_t>(count), body);
 }
 

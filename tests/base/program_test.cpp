@@ -32,8 +32,20 @@ TEST(RunProgramDeathTest, SaysThatItWasInterrupted) {
                               std::raise(signal);
                               return 0;
                             }),
-                testing::ExitedWithCode(128 + signal), "p: interrupted; what was finished is kept");
+                testing::KilledBySignal(signal), "p: interrupted; files that were finished are kept");
   }
+}
+
+TEST(RunProgramDeathTest, LeavesASignalIgnoredThatWas) {
+  EXPECT_EXIT(
+      {
+        std::signal(SIGINT, SIG_IGN);
+        std::exit(run_program("p", [] {
+          std::raise(SIGINT);
+          return 7;
+        }));
+      },
+      testing::ExitedWithCode(7), "");
 }
 
 TEST(WithMemory, RunsWhatFitsAndNamesBothAmountsOfWhatDoesNot) {

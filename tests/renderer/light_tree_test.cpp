@@ -206,7 +206,7 @@ ShadingPoint draw_shading_point(RandomStream& random, const LightTree& tree) {
 // shape: trees x points x nodes x members x materials x levels; seed 5.
 TEST(ClusterBounds, HoldForEveryMemberPointMaterialAndLevel) {
   std::int64_t cases = 0, violations = 0;
-  double tightest = 0, furthest = 0;
+  double tightest = 0, furthest = 0, cosines_apart = 0;
   constexpr float kUnclamped = std::numeric_limits<float>::infinity();
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const LightTree tree = make_light_tree(draw_vpls(600, seed, seed % 2 == 0), {seed, 1});
@@ -235,10 +235,18 @@ TEST(ClusterBounds, HoldForEveryMemberPointMaterialAndLevel) {
           for (std::size_t lane = 0; lane < count; ++lane) {
             const std::size_t i = first + lane;
             const float scalar = bound_transfer(most_m[i], sights[i].least_r2, kUnclamped);
-            // Of narrower lobes the exponential makes much of the last bit, and so does the horizon.
-            const bool wide = (material.alpha == 0 || material.alpha > 0.01f) && sights[i].most_cos > 1e-4f;
-            if (wide && std::isfinite(scalar) && scalar > 1e-30f && bounds.peak[lane] > 1e-30f)
-              furthest = std::max(furthest, std::abs(std::log(double{bounds.peak[lane]} / scalar)));
+            // Of narrower lobes the exponential makes much of the last bit. At the horizon a Lambertian bound
+            // is a cosine, and nothing but its rounding.
+            const bool wide = material.alpha == 0 || material.alpha > 0.01f,
+                       grazing = material.alpha == 0 && sights[i].most_cos < 1e-4f;
+            if (wide && std::isfinite(scalar) && scalar > 1e-30f && bounds.peak[lane] > 1e-30f) {
+              if (grazing) {
+                cosines_apart = std::max(
+                    cosines_apart, sights[i].most_cos * std::abs(double{bounds.peak[lane]} / scalar - 1));
+              } else {
+                furthest = std::max(furthest, std::abs(std::log(double{bounds.peak[lane]} / scalar)));
+              }
+            }
             lane_peaks.push_back(bounds.peak[lane]);
             // Where nothing is reflected the lanes give no emission, which is not asked for then.
             if (bounds.peak[lane] > 0) emission[i] = bounds.emission[lane];
@@ -284,6 +292,7 @@ TEST(ClusterBounds, HoldForEveryMemberPointMaterialAndLevel) {
   EXPECT_EQ(violations, 0) << "of " << cases;
   EXPECT_GT(cases, 10000000);
   EXPECT_LT(furthest, 0.005) << "the two codes' bounds are nearly one";
+  EXPECT_LT(cosines_apart, 1e-7) << "at the horizon to float's last bit";
   EXPECT_GT(tightest, 0.999) << "bounds of single VPLs are nearly exact";
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
+#include "base/error.h"
 #include "renderer/isa.h"
 #include "tests/renderer/cafe_lights.h"
 #include "tests/support/statistics.h"
@@ -246,6 +247,12 @@ TEST(Lightcuts, OfSeveralMaterialsKeepTheRuleOfEach) {
   }
   joint = static_cast<double>(together.shadow_rays);
   EXPECT_LT(joint, 0.6 * separately);
+}
+
+TEST(Isa, HasTwoNamesAndRefusesOthers) {
+  for (const Isa isa : {Isa::kV3, Isa::kV4}) EXPECT_EQ(parse_isa(format_isa(isa), "--isa"), isa);
+  EXPECT_THROW(parse_isa("avx2", "--isa"), InputError);
+  EXPECT_TRUE(has_isa(current_isa()));
 }
 
 // What is chosen at the start changes no more than rounding, and what that tips.
