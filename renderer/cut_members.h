@@ -90,9 +90,11 @@ class Members {
 // What S points see of kLanes / S VPLs, but for the material.
 struct Sight {
   Floats cos_l, r2;
+  Floats3 l;
   HalfVector half;
   Floats3 light;
-  Mask seen;
+  std::uint32_t faced;  // lanes
+  Mask seen;            // nothing stands between
 };
 
 // Largest M of any channel and, where channels differ, the light by M / largest M; black where it is not

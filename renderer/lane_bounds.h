@@ -145,23 +145,15 @@ EQ_INLINE NodeLanes load_nodes(const LightTree& tree, const std::uint32_t* ids, 
              axis_xy = bits_of(first[3]), cosine = bits_of(second[0]);
   const auto unsigned_low = [](Ints pair) { return to_floats(low_unsigned(pair)); };
   const auto unsigned_high = [](Ints pair) { return to_floats(high_unsigned(pair)); };
-  constexpr float kSteps = 1 / 32767.0f;
   const Vec3 o = tree.origin, s = tree.step;
   NodeLanes lanes;
   lanes.low = {o.x + s.x * unsigned_low(low_xy), o.y + s.y * unsigned_high(low_xy),
                o.z + s.z * unsigned_low(mixed)};
   lanes.high = {o.x + s.x * unsigned_high(mixed), o.y + s.y * unsigned_low(high_yz),
                 o.z + s.z * unsigned_high(high_yz)};
-  lanes.cos_angle = to_floats(low_signed(cosine)) * kSteps;
+  lanes.cos_angle = to_floats(low_signed(cosine)) * (1 / 32767.0f);
   lanes.weight = second[1];
-  Floats3& axis = lanes.axis;
-  axis.x = to_floats(low_signed(axis_xy)) * kSteps;
-  axis.y = to_floats(high_signed(axis_xy)) * kSteps;
-  axis.z = 1.0f - abs(axis.x) - abs(axis.y);
-  const Floats fold = max(zeros(), -axis.z);
-  axis.x = select(axis.x < 0.0f, axis.x + fold, axis.x - fold);
-  axis.y = select(axis.y < 0.0f, axis.y + fold, axis.y - fold);
-  axis = axis * (1.0f / sqrt(dot(axis, axis)));
+  lanes.axis = decode_octahedral(axis_xy);
   return lanes;
 }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <immintrin.h>
 
+#include "renderer/octahedral.h"
 #include "stimuli/vec.h"
 
 #ifdef EQUILUX_ISA_V4
@@ -40,6 +41,10 @@ struct alignas(64) Floats {
 EQ_INLINE Floats broadcast(float value) { return {_mm512_set1_ps(value)}; }
 EQ_INLINE Floats load(const float* values) { return {_mm512_loadu_ps(values)}; }
 EQ_INLINE void store(float* values, Floats a) { _mm512_storeu_ps(values, a.v); }
+// Those of `lanes`, one after another; what follows them, up to kLanes in all, is overwritten.
+EQ_INLINE void store_compressed(float* values, Floats a, std::uint32_t lanes) {
+  _mm512_storeu_ps(values, _mm512_maskz_compress_ps(static_cast<__mmask16>(lanes), a.v));
+}
 EQ_INLINE Floats operator+(Floats a, Floats b) { return {_mm512_add_ps(a.v, b.v)}; }
 EQ_INLINE Floats operator-(Floats a, Floats b) { return {_mm512_sub_ps(a.v, b.v)}; }
 EQ_INLINE Floats operator*(Floats a, Floats b) { return {_mm512_mul_ps(a.v, b.v)}; }
@@ -69,6 +74,10 @@ EQ_INLINE Ints shift_left(Ints a) {
 }
 EQ_INLINE Ints low_unsigned(Ints a) { return {_mm512_and_si512(a.v, _mm512_set1_epi32(0xffff))}; }
 EQ_INLINE Ints high_unsigned(Ints a) { return {_mm512_srli_epi32(a.v, 16)}; }
+template <int kBits>
+EQ_INLINE Ints shift_right(Ints a) {
+  return {_mm512_srli_epi32(a.v, kBits)};
+}
 EQ_INLINE Ints low_signed(Ints a) { return {_mm512_srai_epi32(_mm512_slli_epi32(a.v, 16), 16)}; }
 EQ_INLINE Ints high_signed(Ints a) { return {_mm512_srai_epi32(a.v, 16)}; }
 
@@ -102,6 +111,17 @@ EQ_INLINE Floats load(const float* values) { return {_mm256_loadu_ps(values), _m
 EQ_INLINE void store(float* values, Floats x) {
   _mm256_storeu_ps(values, x.a);
   _mm256_storeu_ps(values + 8, x.b);
+}
+// Those of eight lanes in front.
+EQ_INLINE __m256 compress_eight(__m256 x, std::uint32_t lanes) {
+  const std::uint64_t bytes = _pdep_u64(lanes, 0x0101010101010101ULL) * 0xff;
+  const std::uint64_t order = _pext_u64(0x0706050403020100ULL, bytes);
+  return _mm256_permutevar8x32_ps(x, _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(order))));
+}
+// Those of `lanes`, one after another; what follows them, up to kLanes in all, is overwritten.
+EQ_INLINE void store_compressed(float* values, Floats x, std::uint32_t lanes) {
+  _mm256_storeu_ps(values, compress_eight(x.a, lanes & 0xffu));
+  _mm256_storeu_ps(values + std::popcount(lanes & 0xffu), compress_eight(x.b, lanes >> 8));
 }
 EQ_INLINE Floats operator+(Floats x, Floats y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)}; }
 EQ_INLINE Floats operator-(Floats x, Floats y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }
@@ -142,6 +162,10 @@ EQ_INLINE Ints operator+(Ints x, int y) {
 template <int kBits>
 EQ_INLINE Ints shift_left(Ints x) {
   return {_mm256_slli_epi32(x.a, kBits), _mm256_slli_epi32(x.b, kBits)};
+}
+template <int kBits>
+EQ_INLINE Ints shift_right(Ints x) {
+  return {_mm256_srli_epi32(x.a, kBits), _mm256_srli_epi32(x.b, kBits)};
 }
 EQ_INLINE Ints low_unsigned(Ints x) {
   const __m256i low = _mm256_set1_epi32(0xffff);
@@ -332,6 +356,15 @@ EQ_INLINE Floats3 select(Mask mask, const Floats3& yes, const Floats3& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
 EQ_INLINE Floats max_component(const Floats3& a) { return max(a.x, max(a.y, a.z)); }
+
+// As decode_octahedral of Octahedral, whose two numbers share 32 bits.
+EQ_INLINE Floats3 decode_octahedral(Ints pair) {
+  constexpr float kStep = 1 / kOctahedralSteps;
+  const Floats x = to_floats(low_signed(pair)) * kStep, y = to_floats(high_signed(pair)) * kStep;
+  const Floats z = 1.0f - abs(x) - abs(y), fold = max(zeros(), -z);
+  const Floats3 axis{select(x < 0.0f, x + fold, x - fold), select(y < 0.0f, y + fold, y - fold), z};
+  return axis * (1.0f / sqrt(dot(axis, axis)));
+}
 
 // As luminance of Vec3.
 EQ_INLINE Floats luminance(const Floats3& a) { return a.x * 0.2126f + a.y * 0.7152f + a.z * 0.0722f; }

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "renderer/light_tree_layout.h"
 #include "renderer/parallel.h"
 
 namespace equilux {
@@ -52,7 +53,8 @@ std::uint64_t make_key(const Box& box, const Vpl& vpl) {
                              spread_bits(cell(vpl.p.y, box.low.y, box.high.y)) << 1 |
                              spread_bits(cell(vpl.p.z, box.low.z, box.high.z));
   constexpr int kBelow = 3 * (kPositionBits - kLevelsBeforeNormal);
-  const std::uint64_t octant = (vpl.ng.x < 0 ? 4u : 0u) | (vpl.ng.y < 0 ? 2u : 0u) | (vpl.ng.z < 0 ? 1u : 0u);
+  const Vec3 ng = vpl.ng();
+  const std::uint64_t octant = (ng.x < 0 ? 4u : 0u) | (ng.y < 0 ? 2u : 0u) | (ng.z < 0 ? 1u : 0u);
   const std::uint64_t above = code >> kBelow, below = code & ((1ULL << kBelow) - 1);
   return (above << 3 | octant) << kBelow | below;
 }
@@ -117,9 +119,10 @@ float find_gloss_scale(const VplGloss& gloss) {
 
 Bounds make_bounds(const VplList& list, std::uint32_t index) {
   const Vpl& vpl = list.vpls[index];
-  Bounds bounds{{vpl.p, vpl.p}, {vpl.ng}, {vpl.ng}, {vpl.ng}, 0, 0, weigh_vpl(list, index), index};
-  if (vpl.gloss < 0) return bounds;
-  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss)];
+  const Vec3 ng = vpl.ng();
+  Bounds bounds{{vpl.p, vpl.p}, {ng}, {ng}, {ng}, 0, 0, weigh_vpl(list, index), index};
+  if (vpl.gloss() < 0) return bounds;
+  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss())];
   bounds.shading.axis = gloss.ns;
   bounds.mirrors.axis = normalize(gloss.ns * (2 * dot(gloss.ns, gloss.wi)) - gloss.wi);
   bounds.peak = luminance(gloss.flux) * find_gloss_scale(gloss);
@@ -145,7 +148,7 @@ Bounds join_bounds(const Bounds& a, const Bounds& b, bool keep_first) {
 
 float pack_angle(double angle) { return static_cast<float>(angle) * (1 + 1e-6f); }
 
-// Builds one subtree into nodes whose indices count from its own root.
+// Builds the draft of one subtree.
 class SubtreeBuilder {
  public:
   SubtreeBuilder(const LightTree& tree, const LargeArray<std::uint64_t>& keys, const StreamKey& random,
@@ -153,9 +156,10 @@ class SubtreeBuilder {
       : tree_(tree), keys_(keys), random_(random), leaf_size_(leaf_size) {}
 
   Bounds build(std::uint32_t first, std::uint32_t last) {
-    const auto place = nodes.size();
-    nodes.emplace_back();
-    if (glossy()) gloss.emplace_back();
+    const auto place = draft.nodes.size();
+    draft.nodes.emplace_back();
+    draft.counts.push_back(last - first);
+    if (glossy()) draft.gloss.emplace_back();
     Bounds bounds;
     if (last - first <= leaf_size_) {
       bounds = make_bounds(tree_.vpls, first);
@@ -165,7 +169,7 @@ class SubtreeBuilder {
     } else {
       const std::uint32_t middle = find_split(first, last);
       const Bounds left = build(first, middle);
-      const auto right_place = static_cast<std::uint32_t>(nodes.size());
+      const auto right_place = static_cast<std::uint32_t>(draft.nodes.size());
       const Bounds right = build(middle, last);
       bounds = join(left, right, first, last);
       store(place, bounds, 0, right_place);
@@ -189,22 +193,23 @@ class SubtreeBuilder {
     return join_bounds(a, b, random.next_double() < share);
   }
 
-  void store(std::size_t place, const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) {
-    nodes[place] = pack(bounds, leaf_count, next);
-    if (glossy()) {
-      gloss[place] = {bounds.mirrors.axis, pack_angle(bounds.mirrors.angle),
-                      bounds.shading.axis, pack_angle(bounds.shading.angle),
-                      bounds.peak,         bounds.alpha};
-    }
+  LightNode pack(const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) const;
+
+  static GlossCluster pack_gloss(const Bounds& bounds) {
+    return {bounds.mirrors.axis, pack_angle(bounds.mirrors.angle),
+            bounds.shading.axis, pack_angle(bounds.shading.angle),
+            bounds.peak,         bounds.alpha};
   }
 
-  LargeArray<LightNode> nodes;
-  std::vector<GlossCluster> gloss;
+  TreeDraft draft;
 
  private:
   bool glossy() const { return !tree_.vpls.gloss.empty(); }
 
-  LightNode pack(const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) const;
+  void store(std::size_t place, const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) {
+    draft.nodes[place] = pack(bounds, leaf_count, next);
+    if (glossy()) draft.gloss[place] = pack_gloss(bounds);
+  }
 
   const LightTree& tree_;
   const LargeArray<std::uint64_t>& keys_;
@@ -269,21 +274,12 @@ std::size_t split_top(const SubtreeBuilder& builder, std::uint32_t first, std::u
 }
 
 struct Subtree {
-  LargeArray<LightNode> nodes;
-  std::vector<GlossCluster> gloss;
+  TreeDraft draft;
   Bounds bounds;
-  std::size_t size = 0;    // nodes, also below it
-  std::size_t offset = 0;  // in the tree
+  DraftSizes sizes;
+  std::uint32_t place = 0;           // of the root in the tree
+  std::uint32_t representative = 0;  // among the tree's VPLs
 };
-
-void copy_subtree(const Subtree& subtree, LightTree& tree) {
-  for (std::size_t i = 0; i < subtree.nodes.size(); ++i) {
-    LightNode node = subtree.nodes[i];
-    if (node.leaf_count == 0) node.next += static_cast<std::uint32_t>(subtree.offset);
-    tree.nodes[subtree.offset + i] = node;
-    if (!subtree.gloss.empty()) tree.gloss[subtree.offset + i] = subtree.gloss[i];
-  }
-}
 
 void set_grid(LightTree& tree) {
   const Box box = find_box(tree.vpls.vpls);
@@ -307,12 +303,60 @@ VplList take_in_order(const VplList& list, const LargeArray<KeyedIndex>& order) 
   return sorted;
 }
 
+// In front the root and a place that is left free, so that pairs share lines of the cache; then the pairs
+// of the top; then pairs by size.
+void place_subtrees(const std::vector<TopNode>& top, std::vector<Subtree>& subtrees, LightTree& tree) {
+  std::uint32_t next_pair = 2, next_vpl = 0;
+  for (const TopNode& node : top) {
+    if (node.left == 0) continue;
+    subtrees[node.left].place = next_pair;
+    subtrees[node.right].place = next_pair + 1;
+    next_pair += 2;
+  }
+  std::vector<DraftSizes> starts(top.size());
+  for (std::size_t size = 0; size < kSizeClasses; ++size) {
+    for (std::size_t i = 0; i < top.size(); ++i) {
+      starts[i].pairs[size] = next_pair;
+      starts[i].vpls[size] = next_vpl;
+      next_pair += 2 * subtrees[i].sizes.pairs[size];
+      next_vpl += subtrees[i].sizes.vpls[size];
+    }
+  }
+  tree.nodes.resize(next_pair);
+  tree.nodes[1] = {};
+  if (!tree.vpls.gloss.empty()) tree.gloss.resize(tree.nodes.size());
+  const LargeArray<Vpl> sorted = std::move(tree.vpls.vpls);
+  tree.vpls.vpls = LargeArray<Vpl>(sorted.size());
+  for_each_parallel(top.size(), [&](std::size_t i) {
+    if (top[i].left != 0) return;
+    subtrees[i].representative = place_draft(subtrees[i].draft, sorted, subtrees[i].place, starts[i], tree);
+    subtrees[i].draft = {};
+  });
+}
+
+// Children stand behind their parents among the top nodes.
+void join_top(const SubtreeBuilder& builder, const std::vector<TopNode>& top, std::vector<Subtree>& subtrees,
+              LightTree& tree) {
+  for (std::size_t i = top.size(); i-- > 0;) {
+    if (top[i].left == 0) continue;
+    Subtree& subtree = subtrees[i];
+    const Subtree &left = subtrees[top[i].left], &right = subtrees[top[i].right];
+    subtree.bounds = builder.join(left.bounds, right.bounds, top[i].first, top[i].last);
+    const bool of_left = subtree.bounds.representative == left.bounds.representative;
+    subtree.representative = of_left ? left.representative : right.representative;
+    LightNode& node = tree.nodes[subtree.place];
+    node = builder.pack(subtree.bounds, 0, left.place);
+    node.representative = subtree.representative;
+    if (!tree.gloss.empty()) tree.gloss[subtree.place] = SubtreeBuilder::pack_gloss(subtree.bounds);
+  }
+}
+
 }  // namespace
 
 float weigh_vpl(const VplList& list, std::size_t index) {
   const Vpl& vpl = list.vpls[index];
   float weight = luminance(vpl.intensity);
-  if (vpl.gloss >= 0) weight += kInvPi * luminance(list.gloss[static_cast<std::size_t>(vpl.gloss)].flux);
+  if (vpl.gloss() >= 0) weight += kInvPi * luminance(list.gloss[static_cast<std::size_t>(vpl.gloss())].flux);
   return weight;
 }
 
@@ -340,31 +384,12 @@ LightTree make_light_tree(VplList vpls, const LightTreeParams& params) {
     if (top[i].left != 0) return;
     SubtreeBuilder builder = make_builder();
     subtrees[i].bounds = builder.build(top[i].first, top[i].last);
-    subtrees[i].nodes = std::move(builder.nodes);
-    subtrees[i].gloss = std::move(builder.gloss);
-    subtrees[i].size = subtrees[i].nodes.size();
+    subtrees[i].draft = std::move(builder.draft);
+    subtrees[i].sizes = measure_draft(subtrees[i].draft);
   });
-  // Children stand behind their parents among the top nodes.
-  for (std::size_t i = top.size(); i-- > 0;) {
-    if (top[i].left == 0) continue;
-    SubtreeBuilder builder = make_builder();
-    const Subtree &left = subtrees[top[i].left], &right = subtrees[top[i].right];
-    subtrees[i].bounds = builder.join(left.bounds, right.bounds, top[i].first, top[i].last);
-    subtrees[i].size = 1 + left.size + right.size;
-    builder.nodes.emplace_back();
-    if (!tree.vpls.gloss.empty()) builder.gloss.emplace_back();
-    builder.store(0, subtrees[i].bounds, 0, static_cast<std::uint32_t>(1 + left.size));
-    subtrees[i].nodes = std::move(builder.nodes);
-    subtrees[i].gloss = std::move(builder.gloss);
-  }
-  for (std::size_t i = 0; i < top.size(); ++i) {
-    if (top[i].left == 0) continue;
-    subtrees[top[i].left].offset = subtrees[i].offset + 1;
-    subtrees[top[i].right].offset = subtrees[i].offset + 1 + subtrees[top[i].left].size;
-  }
-  tree.nodes.resize(subtrees.front().size);
-  if (!tree.vpls.gloss.empty()) tree.gloss.resize(tree.nodes.size());
-  for_each_parallel(subtrees.size(), [&](std::size_t i) { copy_subtree(subtrees[i], tree); });
+  keys = {};
+  place_subtrees(top, subtrees, tree);
+  join_top(make_builder(), top, subtrees, tree);
   return tree;
 }
 
@@ -376,29 +401,6 @@ Cluster unpack_cluster(const LightTree& tree, const LightNode& node) {
   };
   return {corner(node.low), corner(node.high), decode_octahedral(node.axis),
           static_cast<float>(node.cos_angle) / kCosineSteps, node.weight};
-}
-
-std::array<std::int16_t, 2> encode_octahedral(Vec3 unit) {
-  const float sum = std::abs(unit.x) + std::abs(unit.y) + std::abs(unit.z);
-  float x = unit.x / sum, y = unit.y / sum;
-  if (unit.z < 0) {
-    const float fold_x = (1 - std::abs(y)) * std::copysign(1.0f, x);
-    y = (1 - std::abs(x)) * std::copysign(1.0f, y);
-    x = fold_x;
-  }
-  const auto round = [](float value) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0f, 1.0f) * kCosineSteps));
-  };
-  return {round(x), round(y)};
-}
-
-Vec3 decode_octahedral(std::array<std::int16_t, 2> code) {
-  Vec3 unit{static_cast<float>(code[0]) / kCosineSteps, static_cast<float>(code[1]) / kCosineSteps, 0};
-  unit.z = 1 - std::abs(unit.x) - std::abs(unit.y);
-  const float fold = std::max(0.0f, -unit.z);
-  unit.x -= std::copysign(fold, unit.x);
-  unit.y -= std::copysign(fold, unit.y);
-  return normalize(unit);
 }
 
 }  // namespace equilux

@@ -30,22 +30,24 @@ struct GlossCluster {
   float alpha = 0;  ///< the largest
 };
 
-/// A node in 32 bytes. Bounds are rounded outwards on a grid over the root's box. The left child of an inner
-/// node follows it; a leaf holds VPLs one after another.
+/// A node in 32 bytes. Bounds are rounded outwards on a grid over the root's box. The children of an inner
+/// node lie side by side; a leaf holds VPLs one after another.
 struct LightNode {
   std::array<std::uint16_t, 3> low, high;
-  std::array<std::int16_t, 2> axis;  ///< octahedral
-  std::int16_t cos_angle;            ///< in 1 / 32767, rounded down so far that the axis' rounding is within
-  std::uint16_t leaf_count;          ///< of VPLs; 0: an inner node
+  Octahedral axis;
+  std::int16_t cos_angle;    ///< in 1 / 32767, rounded down so far that the axis' rounding is within
+  std::uint16_t leaf_count;  ///< of VPLs; 0: an inner node
   float weight;
   std::uint32_t representative;  ///< index among the VPLs; drawn in proportion to their weights
-  std::uint32_t next;            ///< index of the right child, or of a leaf's first VPL
+  std::uint32_t next;            ///< index of the left child, or of a leaf's first VPL
 };
 static_assert(sizeof(LightNode) == 32);
 
 struct LightTree {
-  VplList vpls;                     ///< in the tree's order
-  LargeArray<LightNode> nodes;      ///< depth first, the root in front; empty without VPLs
+  VplList vpls;  ///< in the tree's own order
+  /// The root, a place that is not used, pairs of children by size; empty without VPLs. See
+  /// light_tree_layout.h.
+  LargeArray<LightNode> nodes;
   std::vector<GlossCluster> gloss;  ///< beside nodes; empty if no VPL is glossy
   Vec3 origin, step;                ///< of the grid of boxes. units: m
 
@@ -65,10 +67,5 @@ float weigh_vpl(const VplList& list, std::size_t index);
 LightTree make_light_tree(VplList vpls, const LightTreeParams& params);
 
 Cluster unpack_cluster(const LightTree& tree, const LightNode& node);
-
-/// Octahedral unit vectors. Decoding what was encoded errs by at most kOctahedralError. units: radians
-inline constexpr float kOctahedralError = 1.2e-4f;
-std::array<std::int16_t, 2> encode_octahedral(Vec3 unit);
-Vec3 decode_octahedral(std::array<std::int16_t, 2> code);
 
 }  // namespace equilux

@@ -12,6 +12,7 @@
 #include "renderer/cut_members.h"
 #include "renderer/kernels.h"
 #include "renderer/lane_bounds.h"
+#include "renderer/lane_rays.h"
 #include "renderer/parallel.h"
 
 // After all other headers.
@@ -59,7 +60,8 @@ class GroupCut {
         members_(job.materials.size(), job.grey),
         least_thresholds_(job.materials.size(), zeros()),
         thresholds_(job.materials.size() * job.levels, zeros()),
-        base_(thresholds_) {
+        base_(thresholds_),
+        queue_(job.world, S > 1, job.params.watch_rays) {
     bounds_.reserve(kLanes);
   }
 
@@ -94,7 +96,7 @@ class GroupCut {
   }
 
   std::size_t size() const { return members_.size(); }
-  std::uint64_t rays() const { return rays_; }
+  std::uint64_t rays() const { return queue_.rays(); }
 
   // Into the places of the group's points.
   void write_light(PointRange range, ShadedPoints& shaded) const {
@@ -127,7 +129,7 @@ class GroupCut {
 
   // The last point stands for those beyond; its rays are not traced.
   void set_points(PointRange range) {
-    Lane3 ng;
+    Lane3 ng, origins;
     valid_ = 0;
     bounds_.clear();
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
@@ -135,11 +137,12 @@ class GroupCut {
       const ShadingPoint& point = job_.points[range.first + sample];
       bounds_.push_back(lane < S ? make_bound_point(point) : BoundPoint(bounds_[lane % S]));
       ng.set(lane, point.surface.ng);
-      origins_.set(lane, point.surface.origin());
+      origins.set(lane, point.surface.origin());
       if (lane % S < range.count) valid_ |= 1u << lane;
     }
     lanes_ = load_points(bounds_);
     ng_ = load(ng);
+    origins_ = load(origins);
   }
 
   std::size_t index_of(std::size_t material, std::size_t level) const {
@@ -284,8 +287,8 @@ class GroupCut {
         return open.heir != kNone && job_.tree.nodes[child].representative == node.representative ? open.heir
                                                                                                   : kNone;
       };
-      open_.push_back({open.node + 1, heir(open.node + 1)});
       open_.push_back({node.next, heir(node.next)});
+      open_.push_back({node.next + 1, heir(node.next + 1)});
       return;
     }
     for (std::uint32_t vpl = node.next; vpl < node.next + node.leaf_count; ++vpl) {
@@ -349,27 +352,41 @@ class GroupCut {
     return load(emission.data());
   }
 
-  // The light of all members that wait for it.
+  // The light of all members that wait for it. Rays of many packets are traced together.
   void shade() {
-    constexpr std::size_t kAhead = 2 * kLanes;
-    for (std::size_t i = 0; i < std::min(kAhead, unlit_.size()); ++i) prefetch_vpl(unlit_[i]);
-    for (std::size_t first = 0; first < unlit_.size(); first += kSlots) {
-      const std::size_t count = std::min(kSlots, unlit_.size() - first);
-      for (std::size_t i = first + kAhead; i < std::min(first + kAhead + kSlots, unlit_.size()); ++i)
-        prefetch_vpl(unlit_[i]);
-      shade_members(&unlit_[first], count);
-    }
+    constexpr std::size_t kTogether = RayQueue::kMostPackets * kSlots;
+    for (std::size_t first = 0; first < unlit_.size(); first += kTogether)
+      shade_together(first, std::min(unlit_.size(), first + kTogether));
     unlit_.clear();
   }
 
-  EQ_INLINE void prefetch_vpl(std::uint32_t member) const {
-    const char* vpl = reinterpret_cast<const char*>(&job_.tree.vpls.vpls[members_.vpl(member)]);
-    __builtin_prefetch(vpl);
-    __builtin_prefetch(vpl + sizeof(Vpl) - 1);
+  void shade_together(std::size_t first, std::size_t last) {
+    constexpr std::size_t kAhead = 2 * kLanes;
+    if (first == 0) {
+      for (std::size_t i = 0; i < std::min(kAhead, last); ++i) prefetch_vpl(unlit_[i]);
+    }
+    queue_.restart();
+    for (std::size_t i = first; i < last; i += kSlots) {
+      for (std::size_t ahead = i + kAhead; ahead < std::min(i + kAhead + kSlots, unlit_.size()); ++ahead)
+        prefetch_vpl(unlit_[ahead]);
+      face_members(&unlit_[i], std::min(kSlots, last - i), sights_[(i - first) / kSlots]);
+    }
+    queue_.finish();
+    for (std::size_t i = first; i < last; i += kSlots)
+      light_members(&unlit_[i], std::min(kSlots, last - i), sights_[(i - first) / kSlots]);
   }
 
-  void shade_members(const std::uint32_t* members, std::size_t count) {
-    const Sight sight = sight_members(members, count);
+  EQ_INLINE void prefetch_vpl(std::uint32_t member) const {
+    __builtin_prefetch(&job_.tree.vpls.vpls[members_.vpl(member)]);
+  }
+
+  // Members whose light no sample sees keep their columns' zeros.
+  void light_members(const std::uint32_t* members, std::size_t count, Sight& sight) {
+    const std::uint32_t visible = queue_.take(sight.faced);
+    if (visible == 0) return;
+    sight.seen = from_lane_mask(visible);
+    sight.light = select(sight.seen, sight.light, splat({}));
+    if (!job_.tree.vpls.gloss.empty()) add_gloss(members, count, sight);
     std::array<Floats, kMostMaterials> lobes;
     lobes[0] = zeros();
     for (std::size_t i = 0; i < job_.lobes.size(); ++i) {
@@ -398,25 +415,26 @@ class GroupCut {
       std::memcpy(members_.at(members[slot], column), &values[slot * S], S * sizeof(float));
   }
 
-  Sight sight_members(const std::uint32_t* members, std::size_t count) {
+  // All but whether there is something between.
+  void face_members(const std::uint32_t* members, std::size_t count, Sight& sight) {
     const VplList& list = job_.tree.vpls;
-    std::array<const float*, kSlots> places, normals, lights, weights;
+    std::array<const float*, kSlots> places, lights, weights;
     for (std::size_t slot = 0; slot < kSlots; ++slot) {
       const std::uint32_t member = members[std::min(slot, count - 1)];
       const Vpl& vpl = list.vpls[members_.vpl(member)];
       places[slot] = &vpl.p.x;
-      normals[slot] = &vpl.ng.x;
       lights[slot] = &vpl.intensity.x;
       weights[slot] = members_.weight(member);
     }
-    const Columns4 place = load_columns<S>(places), normal = load_columns<S>(normals),
-                   light = load_columns<S>(lights);
+    const Columns4 place = load_columns<S>(places), light = load_columns<S>(lights);
     const Floats3 intensity{light[0], light[1], light[2]};
     // How many times its representative's light a member's is.
     const Floats whole = load_columns<S>(weights)[0], y = luminance(intensity);
     const Floats scale = select(whole < 0.0f, broadcast(1), select(y > 0.0f, whole / y, zeros()));
-    const Floats3 p{place[0], place[1], place[2]}, ng{normal[0], normal[1], normal[2]};
-    Sight sight;
+    const Floats3 p{place[0], place[1], place[2]}, ng = decode_octahedral(bits_of(place[3]));
+    constexpr int kBias = 127 + Vpl::kLeastExponent;
+    const Floats epsilon =
+        bits_as_floats(shift_left<23>(shift_right<Vpl::kGlossBits>(bits_of(light[3])) + kBias));
     const Floats3 d = p - lanes_.p;
     sight.r2 = dot(d, d);
     const Floats3 l = d * (1.0f / sqrt(sight.r2));
@@ -424,33 +442,22 @@ class GroupCut {
     sight.cos_l = dot(lanes_.shading.n, l);
     const Mask faced = (sight.r2 > 0.0f) & (sight.cos_l > 0.0f) & (dot(ng_, l) > 0.0f) & (cos_vpl > 0.0f);
     const std::uint32_t slots = count < kSlots ? (1u << (count * S)) - 1u : 0xffffu;
-    sight.seen = from_lane_mask(trace(p + ng * place[3], lane_mask(faced) & valid_ & slots));
+    sight.faced = lane_mask(faced) & valid_ & slots;
+    queue_.push(origins_, p + ng * epsilon, sight.faced);
+    sight.l = l;
     const Floats3 h = to_local(lanes_.shading, l) + lanes_.v;
     sight.half = make_half_vector(h.x, h.y, h.z);
-    sight.light = select(sight.seen, intensity * (scale * cos_vpl), splat({}));
-    if (!list.gloss.empty()) add_gloss(members, count, l, sight);
-    return sight;
+    sight.light = intensity * (scale * cos_vpl);
   }
 
-  std::uint32_t trace(const Floats3& targets, std::uint32_t wanted) {
-    if (wanted == 0) return 0;
-    rays_ += static_cast<std::uint64_t>(std::popcount(wanted));
-    PointPacket ends;
-    store(ends.x.data(), targets.x);
-    store(ends.y.data(), targets.y);
-    store(ends.z.data(), targets.z);
-    if (job_.params.watch_rays) job_.params.watch_rays(origins_, ends, wanted);
-    return job_.world.find_visible(origins_, ends, wanted, S > 1);
-  }
-
-  void add_gloss(const std::uint32_t* members, std::size_t count, const Floats3& l, Sight& sight) const {
+  void add_gloss(const std::uint32_t* members, std::size_t count, Sight& sight) const {
     const VplList& list = job_.tree.vpls;
-    const auto x = to_array(l.x), y = to_array(l.y), z = to_array(l.z);
+    const auto x = to_array(sight.l.x), y = to_array(sight.l.y), z = to_array(sight.l.z);
     auto r = to_array(sight.light.x), g = to_array(sight.light.y), b = to_array(sight.light.z);
     for (std::size_t lane = 0; lane < count * S; ++lane) {
       const std::uint32_t member = members[lane / S];
       const Vpl& vpl = list.vpls[members_.vpl(member)];
-      if (vpl.gloss < 0) continue;
+      if (vpl.gloss() < 0) continue;
       const Vec3 emitted = emit_vpl(list, vpl, {-x[lane], -y[lane], -z[lane]}) * find_scale(member);
       r[lane] = emitted.x;
       g[lane] = emitted.y;
@@ -459,7 +466,7 @@ class GroupCut {
     sight.light = select(sight.seen, {load(r.data()), load(g.data()), load(b.data())}, splat({}));
   }
 
-  // As the scale of sight_members, also of a VPL with gloss.
+  // As the scale of face_members, also of a VPL with gloss.
   float find_scale(std::uint32_t member) const {
     const std::uint32_t node = members_.node(member);
     if (node == Table::kSingle) return 1;
@@ -528,15 +535,15 @@ class GroupCut {
   std::vector<Floats> thresholds_, base_;  // of each sample, in every slot. shape: material x level
   std::vector<BoundPoint> bounds_;         // shape: kLanes
   LanePoint lanes_{};
-  Floats3 ng_{};
-  PointPacket origins_;
+  Floats3 ng_{}, origins_{};
   std::uint32_t valid_ = 0;
   std::vector<Open> open_;
   std::vector<std::uint32_t> released_;  // nodes
   std::vector<float> released_light_;    // shape: released x column from the peaks on x S
   std::vector<Floats> luminances_;       // of blocks of members
   std::vector<std::uint32_t> unlit_;
-  std::uint64_t rays_ = 0;
+  std::array<Sight, RayQueue::kMostPackets> sights_;
+  RayQueue queue_;
 };
 
 // The cuts of one thread, made as their widths are met.
@@ -607,8 +614,8 @@ std::vector<std::uint32_t> find_top(const LightTree& tree) {
     std::vector<std::uint32_t> next;
     for (std::uint32_t index : top) {
       const LightNode& node = tree.nodes[index];
-      next.push_back(node.leaf_count == 0 ? index + 1 : index);
-      if (node.leaf_count == 0) next.push_back(node.next);
+      next.push_back(node.leaf_count == 0 ? node.next : index);
+      if (node.leaf_count == 0) next.push_back(node.next + 1);
     }
     top = std::move(next);
   }

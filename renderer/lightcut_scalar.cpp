@@ -75,8 +75,8 @@ class PointCut {
       std::vector<std::uint32_t> next;
       for (std::uint32_t index : nodes) {
         const LightNode& node = job_.tree.nodes[index];
-        next.push_back(node.leaf_count == 0 ? index + 1 : index);
-        if (node.leaf_count == 0) next.push_back(node.next);
+        next.push_back(node.leaf_count == 0 ? node.next : index);
+        if (node.leaf_count == 0) next.push_back(node.next + 1);
       }
       grew = next.size() > nodes.size();
       nodes = std::move(next);
@@ -99,7 +99,7 @@ class PointCut {
     const Vec3 emitted = emit_vpl(job_.tree.vpls, vpl, -l);
     if (emitted == Vec3{}) return light;
     ++rays_;
-    if (job_.world.is_occluded(x.origin(), vpl.p + vpl.ng * vpl.epsilon)) return light;
+    if (job_.world.is_occluded(x.origin(), vpl.end())) return light;
     const Vec3 local = bound_point_.shading.to_local(l);
     for (std::size_t m = 0; m < job_.materials.size(); ++m)
       add_levels(eval_brdf(job_.materials[m], bound_point_.v, local) * local.z, emitted, r2, scale,
@@ -177,8 +177,8 @@ class PointCut {
   void split(std::uint32_t node_index, std::vector<CutMember>& stack) {
     const LightNode& node = job_.tree.nodes[node_index];
     if (node.leaf_count == 0) {
-      stack.push_back(make_cluster(node_index + 1));
       stack.push_back(make_cluster(node.next));
+      stack.push_back(make_cluster(node.next + 1));
       return;
     }
     for (std::uint32_t i = 0; i < node.leaf_count; ++i) kept_.push_back(make_single(node.next + i));

@@ -130,7 +130,7 @@ std::vector<double> shade_means(const ProofScene& scene, const std::vector<std::
 }
 
 VplList without_gloss(VplList list) {
-  for (Vpl& vpl : list.vpls) vpl.gloss = -1;
+  for (Vpl& vpl : list.vpls) vpl.set_gloss(-1);
   list.gloss.clear();
   return list;
 }

@@ -84,7 +84,7 @@ EQ_INLINE std::uint32_t face_vpl(const PointGroup& group, const VplList& list, s
   const Floats inverse = 1.0f / sqrt(sight.r2);
   const Floats3 l = d * inverse;
   sight.cos_l = dot(group.ns, l);
-  const Floats cos_vpl = -dot(splat(vpl.ng), l);
+  const Floats cos_vpl = -dot(splat(vpl.ng()), l);
   const Mask lit = (sight.r2 > 0.0f) & (sight.cos_l > 0.0f) & (dot(group.ng, l) > 0.0f) & (cos_vpl > 0.0f);
   const std::uint32_t wanted = lane_mask(lit) & group.valid;
   if (wanted != group.valid) [[unlikely]]
@@ -93,9 +93,9 @@ EQ_INLINE std::uint32_t face_vpl(const PointGroup& group, const VplList& list, s
   const Floats3 h = group.v + l;
   sight.half = make_half_vector(dot(group.s, h), dot(group.t, h), dot(group.ns, h));
   sight.light = splat(vpl.intensity) * cos_vpl;
-  if (vpl.gloss >= 0) {
+  if (vpl.gloss() >= 0) {
     const Floats3 wo{-l.x, -l.y, -l.z};
-    sight.light = sight.light + emit_gloss(list.gloss[static_cast<std::size_t>(vpl.gloss)], wo, cos_vpl);
+    sight.light = sight.light + emit_gloss(list.gloss[static_cast<std::size_t>(vpl.gloss())], wo, cos_vpl);
   }
   return wanted;
 }
@@ -227,7 +227,7 @@ PairCounts sum_vpls(const ShadeJob& job, const PointGroup& group, std::size_t fr
     }
     const Vpl& vpl = job.list.vpls[i];
     counts.rays += static_cast<std::uint64_t>(std::popcount(wanted));
-    const std::uint32_t visible = job.world.find_visible(group.origins, vpl.p + vpl.ng * vpl.epsilon, wanted);
+    const std::uint32_t visible = job.world.find_visible(group.origins, vpl.end(), wanted);
     if (visible == 0) return;
     mask_sight(visible, sight);
     for (std::size_t m = 0; m < job.materials.size(); ++m)

@@ -62,7 +62,7 @@ void add_distances(const Point& point, std::vector<StressRow>& rows) {
   rows.push_back(stress_coincident(point, 1e-20, "1e-20 m from the point: r^2 is below float's range"));
   rows.push_back(expect_value("behind the point", 0, point.shade_one(overhead(-1, 1), kInfinity)));
   Vpl away = overhead(1, 1);
-  away.ng = {0, 0, 1};
+  away.normal = encode_octahedral({0, 0, 1});
   rows.push_back(expect_value("facing away", 0, point.shade_one(away, kInfinity)));
 }
 
@@ -104,7 +104,8 @@ long double sum_in_long_double(const LargeArray<Vpl>& vpls) {
   long double sum = 0;
   for (const Vpl& vpl : vpls) {
     const long double x = vpl.p.x, y = vpl.p.y, z = vpl.p.z, r2 = x * x + y * y + z * z, r = std::sqrt(r2);
-    const long double cosine = -(vpl.ng.x * x + vpl.ng.y * y + vpl.ng.z * z) / r;
+    const Vec3 ng = vpl.ng();
+    const long double cosine = -(ng.x * x + ng.y * y + ng.z * z) / r;
     if (z > 0 && cosine > 0)
       sum += kAlbedo / std::numbers::pi_v<long double> * (z / r) / r2 * cosine * vpl.intensity.y;
   }

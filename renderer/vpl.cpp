@@ -2,6 +2,7 @@
 #include "renderer/vpl.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/error.h"
@@ -72,13 +73,13 @@ void add_vpl(VplSet& set, const SurfacePoint& point, const Material& material, V
              const Particle& particle, Emission emission) {
   const Vec3 flux = particle.weight * (dot(point.ns, wi) / dot(point.ng, wi));
   VplList& list = particle.met_object ? set.own : set.shared;
-  Vpl vpl{point.p, point.epsilon, point.ng, flux * material.rho_d * kInvPi, -1};
+  Vpl vpl(point.p, point.epsilon, point.ng, flux * material.rho_d * kInvPi);
   const Vec3 glossy = flux * material.rho_s;
   if (emission == Emission::kFull && glossy != Vec3{}) {
-    vpl.gloss = static_cast<std::int32_t>(list.gloss.size());
+    vpl.set_gloss(static_cast<std::int32_t>(list.gloss.size()));
     list.gloss.push_back({point.ns, wi, glossy, material.alpha, material.model});
   }
-  if (vpl.intensity != Vec3{} || vpl.gloss >= 0) list.vpls.push_back(vpl);
+  if (vpl.intensity != Vec3{} || vpl.gloss() >= 0) list.vpls.push_back(vpl);
 }
 
 void trace_path(const PathParams& params, PathSampler sampler, VplSet& set) {
@@ -128,7 +129,7 @@ VplList join_lists(std::vector<VplSet>& blocks, VplList VplSet::*part) {
               joined.gloss.begin() + static_cast<std::ptrdiff_t>(first_gloss[i]));
     Vpl* place = joined.vpls.data() + firsts[i];
     for (Vpl vpl : list.vpls) {
-      if (vpl.gloss >= 0) vpl.gloss += static_cast<std::int32_t>(first_gloss[i]);
+      if (vpl.gloss() >= 0) vpl.set_gloss(vpl.gloss() + static_cast<std::int32_t>(first_gloss[i]));
       *place++ = vpl;
     }
     list = {};
@@ -138,21 +139,41 @@ VplList join_lists(std::vector<VplSet>& blocks, VplList VplSet::*part) {
 
 }  // namespace
 
+Vpl::Vpl(Vec3 place, float epsilon, Vec3 ng, Vec3 power)
+    : p(place), normal(encode_octahedral(ng)), intensity(power) {
+  int exponent;
+  const float mantissa = std::frexp(epsilon, &exponent);
+  if (mantissa == 0.5f) --exponent;
+  const int most = (1 << (32 - kGlossBits)) - 1;
+  const int code = epsilon > 0 ? std::clamp(exponent - kLeastExponent, 0, most) : 0;
+  packed = static_cast<std::uint32_t>(code) << kGlossBits;
+}
+
+float Vpl::epsilon() const {
+  constexpr std::uint32_t kBias = 127 + kLeastExponent;
+  return std::bit_cast<float>(((packed >> kGlossBits) + kBias) << 23);
+}
+
+void Vpl::set_gloss(std::int32_t index) {
+  EQ_CHECK(index >= -1 && index + 1 <= static_cast<std::int32_t>(kMostGloss), index);
+  packed = (packed & ~kMostGloss) | static_cast<std::uint32_t>(index + 1);
+}
+
 void VplList::append(const VplList& other) {
   const auto offset = static_cast<std::int32_t>(gloss.size());
   for (Vpl vpl : other.vpls) {
-    if (vpl.gloss >= 0) vpl.gloss += offset;
+    if (vpl.gloss() >= 0) vpl.set_gloss(vpl.gloss() + offset);
     vpls.push_back(vpl);
   }
   gloss.insert(gloss.end(), other.gloss.begin(), other.gloss.end());
 }
 
 Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo) {
-  const float cosine = dot(vpl.ng, wo);
+  const float cosine = dot(vpl.ng(), wo);
   if (!(cosine > 0)) return {};
   Vec3 light = vpl.intensity * cosine;
-  if (vpl.gloss < 0) return light;
-  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss)];
+  if (vpl.gloss() < 0) return light;
+  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss())];
   const Frame frame(gloss.ns);
   Material material;
   material.alpha = gloss.alpha;

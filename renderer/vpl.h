@@ -8,20 +8,39 @@
 
 #include "base/large_array.h"
 #include "protocols/study.h"
+#include "renderer/octahedral.h"
 #include "renderer/world.h"
 
 namespace equilux {
 
-/// A virtual point light. Its radiance towards x is intensity cos / r^2 by the diffuse part of its surface;
-/// with full emission a glossy part comes on top.
+/// A virtual point light in 32 bytes: millions are read at random. Its radiance towards x is intensity cos /
+/// r^2 by the diffuse part of its surface; with full emission a glossy part comes on top.
 struct Vpl {
   Vec3 p;
-  float epsilon = 0;        ///< as SurfacePoint::epsilon
-  Vec3 ng;                  ///< unit, on the side from which the particle came
-  Vec3 intensity;           ///< W/sr along ng
-  std::int32_t gloss = -1;  ///< index of the glossy part, or -1
+  Octahedral normal{};
+  Vec3 intensity;  ///< W/sr along ng
+  /// From the high bit: the exponent of epsilon, in kExponentBits; one more than the glossy part's index.
+  std::uint32_t packed = 0;
+
+  static constexpr int kGlossBits = 25, kLeastExponent = -101;
+  static constexpr std::uint32_t kMostGloss = (1u << kGlossBits) - 1;
+
+  Vpl() = default;
+  Vpl(Vec3 place, float epsilon, Vec3 ng, Vec3 power);
+
+  /// Unit, on the side from which the particle came.
+  Vec3 ng() const { return decode_octahedral(normal); }
+  /// As SurfacePoint::epsilon, or the power of two above it.
+  float epsilon() const;
+  /// Index of the glossy part, or -1.
+  std::int32_t gloss() const { return static_cast<std::int32_t>(packed & kMostGloss) - 1; }
+  void set_gloss(std::int32_t index);
+
+  /// Where shadow rays end.
+  Vec3 end() const { return p + ng() * epsilon(); }
   bool operator==(const Vpl&) const = default;
 };
+static_assert(sizeof(Vpl) == 32);
 
 /// The glossy emission of a VPL: flux g(wi, wo), with g of eval_glossy in the frame of the shading normal.
 struct VplGloss {
@@ -35,7 +54,8 @@ struct VplGloss {
 
 struct VplList {
   LargeArray<Vpl> vpls;
-  std::vector<VplGloss> gloss;  ///< of those that have it; empty with Lambertian emission
+  std::vector<VplGloss>
+      gloss;  ///< of those that have it, at most Vpl::kMostGloss; empty with Lambertian emission
 
   std::size_t size() const { return vpls.size(); }
   void append(const VplList& other);

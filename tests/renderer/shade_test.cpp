@@ -71,8 +71,8 @@ struct Rgb {
 
 // The glossy part of a VPL's emission by the BRDF itself.
 Vec3 emit_gloss(const VplList& list, const Vpl& vpl, Vec3 wo) {
-  if (vpl.gloss < 0) return {};
-  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss)];
+  if (vpl.gloss() < 0) return {};
+  const VplGloss& gloss = list.gloss[static_cast<std::size_t>(vpl.gloss())];
   const Frame frame(gloss.ns);
   const Material lobe{{}, {1, 1, 1}, gloss.alpha, 1, gloss.model};
   return gloss.flux * eval_glossy(lobe, frame.to_local(gloss.wi), frame.to_local(wo));
@@ -87,9 +87,9 @@ Rgb brute_force(const Shaded& shaded, const ShadingPoint& point, const Material&
     const Vec3 d = vpl.p - x.p;
     const double r2 = double(d.x) * d.x + double(d.y) * d.y + double(d.z) * d.z;
     const Vec3 l = d / static_cast<float>(std::sqrt(r2));
-    const double cos_vpl = -dot(vpl.ng, l), cos_l = dot(x.ns, l);
+    const double cos_vpl = -dot(vpl.ng(), l), cos_l = dot(x.ns, l);
     if (!(cos_vpl > 0) || !(cos_l > 0) || !(dot(x.ng, l) > 0)) continue;
-    if (shaded.world.is_occluded(x.origin(), vpl.p + vpl.ng * vpl.epsilon)) continue;
+    if (shaded.world.is_occluded(x.origin(), vpl.end())) continue;
     const Vec3 f = eval_brdf(material, frame.to_local(point.v), frame.to_local(l));
     const double m[3] = {f.x * cos_l, f.y * cos_l, f.z * cos_l};
     const double largest = std::max({m[0], m[1], m[2]});
@@ -166,7 +166,7 @@ TEST(ShadeAllVpls, OneVplAboveAPlaneMatchesItsClosedForm) {
   const Scene scene = test::make_scene(text);
   const World world = make_world(scene, "G0", Illumination::kIndirect);
   const auto points = find_shading_points(trace_primary(world, make_view_camera(scene, 0), 16, 16, 1));
-  const VplList vpls{{{{4, 4, 2}, 0, {0, 0, -1}, {2, 4, 6}, -1}}, {}};
+  const VplList vpls{{Vpl({4, 4, 2}, 0, {0, 0, -1}, {2, 4, 6})}, {}};
   const double infinite = clamp_per_m2(0), c = .02;
   const auto shaded =
       shade_all_vpls(world, points, vpls, {make_material(scene.materials[0])}, {infinite, c}, [](double) {});

@@ -1,0 +1,92 @@
+#include "renderer/light_tree_layout.h"
+
+#include <algorithm>
+
+namespace equilux {
+namespace {
+
+std::size_t size_class(std::uint32_t count) {
+  std::size_t found = 0;
+  for (std::uint32_t least = 4096; least > 1 && count < least; least /= 8) ++found;
+  return found;
+}
+
+// A walk from the root, with the class of the largest node that each node's representative stands for.
+class DraftWalk {
+ public:
+  explicit DraftWalk(const TreeDraft& draft) : draft_(draft) {}
+
+  std::size_t own_class(std::uint32_t node) const { return size_class(draft_.counts[node]); }
+  std::size_t child_class(std::uint32_t parent, std::size_t parent_class, std::uint32_t child) const {
+    const bool same = draft_.nodes[child].representative == draft_.nodes[parent].representative;
+    return same ? parent_class : own_class(child);
+  }
+
+ protected:
+  const TreeDraft& draft_;
+};
+
+class Measurer : public DraftWalk {
+ public:
+  using DraftWalk::DraftWalk;
+
+  void measure(std::uint32_t index, std::size_t vpl_class, DraftSizes& sizes) const {
+    const LightNode& node = draft_.nodes[index];
+    if (node.leaf_count > 0) {
+      sizes.vpls[vpl_class] += node.leaf_count;
+      return;
+    }
+    ++sizes.pairs[own_class(index)];
+    for (std::uint32_t child : {index + 1, node.next})
+      measure(child, child_class(index, vpl_class, child), sizes);
+  }
+};
+
+class Placer : public DraftWalk {
+ public:
+  Placer(const TreeDraft& draft, const LargeArray<Vpl>& sorted, DraftSizes next, LightTree& tree)
+      : DraftWalk(draft), sorted_(sorted), next_(next), tree_(tree) {}
+
+  std::uint32_t place(std::uint32_t index, std::uint32_t target, std::size_t vpl_class) {
+    LightNode node = draft_.nodes[index];
+    if (node.leaf_count > 0) {
+      const std::uint32_t first = next_.vpls[vpl_class];
+      next_.vpls[vpl_class] += node.leaf_count;
+      std::copy_n(&sorted_[node.next], node.leaf_count, &tree_.vpls.vpls[first]);
+      node.representative += first - node.next;
+      node.next = first;
+    } else {
+      const std::uint32_t left = index + 1, right = node.next, pair = next_.pairs[own_class(index)];
+      next_.pairs[own_class(index)] += 2;
+      const std::uint32_t of_left = place(left, pair, child_class(index, vpl_class, left));
+      const std::uint32_t of_right = place(right, pair + 1, child_class(index, vpl_class, right));
+      node.representative = node.representative == draft_.nodes[left].representative ? of_left : of_right;
+      node.next = pair;
+    }
+    tree_.nodes[target] = node;
+    if (!draft_.gloss.empty()) tree_.gloss[target] = draft_.gloss[index];
+    return node.representative;
+  }
+
+ private:
+  const LargeArray<Vpl>& sorted_;
+  DraftSizes next_;
+  LightTree& tree_;
+};
+
+}  // namespace
+
+DraftSizes measure_draft(const TreeDraft& draft) {
+  const Measurer measurer(draft);
+  DraftSizes sizes;
+  measurer.measure(0, measurer.own_class(0), sizes);
+  return sizes;
+}
+
+std::uint32_t place_draft(const TreeDraft& draft, const LargeArray<Vpl>& sorted, std::uint32_t root,
+                          DraftSizes starts, LightTree& tree) {
+  Placer placer(draft, sorted, starts, tree);
+  return placer.place(0, root, placer.own_class(0));
+}
+
+}  // namespace equilux
