@@ -13,10 +13,29 @@
 
 namespace equilux::EQ_ISA {
 
+// A list that room is made for beforehand.
+template <typename T>
+class Pile {
+ public:
+  void make_room(std::size_t more) {
+    if (size_ + more > values_.size()) values_.resize(2 * (size_ + more));
+  }
+  EQ_INLINE void push(T value) { values_[size_++] = value; }
+  EQ_INLINE T pop() { return values_[--size_]; }
+  void clear() { size_ = 0; }
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  EQ_INLINE T& operator[](std::size_t index) { return values_[index]; }
+  EQ_INLINE const T& operator[](std::size_t index) const { return values_[index]; }
+
+ private:
+  std::vector<T> values_;
+  std::size_t size_ = 0;
+};
+
 // Members of a cut, in columns of S floats a member: the bound of its emission; for each material the bound
 // of M / r^2 and M / r^2 of its light; and the light in three channels, for all materials in one if they are
-// grey. A member's light at a level is light x min{c, peak}, its bound there emission x min{c, bound}. Lanes
-// beyond the last member are zero.
+// grey. A member's light at a level is light x min{c, peak}, its bound there emission x min{c, bound}.
 template <std::size_t S>
 class Members {
  public:
@@ -34,45 +53,53 @@ class Members {
   }
   std::size_t columns() const { return columns_.size(); }
 
-  std::size_t size() const { return nodes_.size(); }
+  std::size_t size() const { return size_; }
   std::size_t blocks() const { return (size() + kSlots - 1) / kSlots; }
-  std::uint32_t node(std::size_t member) const { return nodes_[member]; }
-  std::uint32_t vpl(std::size_t member) const { return vpls_[member]; }
+  EQ_INLINE std::uint32_t node(std::size_t member) const { return nodes_[member]; }
+  EQ_INLINE std::uint32_t vpl(std::size_t member) const { return vpls_[member]; }
   // Of its VPLs; a single's is below zero. Four floats may be read there.
-  const float* weight(std::size_t member) const { return &weights_[member]; }
+  EQ_INLINE const float* weight(std::size_t member) const { return &weights_[member]; }
 
   void clear() {
-    for (auto& column : columns_)
-      std::fill_n(column.begin(), std::min(column.size(), blocks() * kLanes), 0.0f);
-    nodes_.clear();
-    vpls_.clear();
+    size_ = 0;
     unused_.clear();
   }
 
-  // In the place of one that was released, if there is one.
-  std::uint32_t add(std::uint32_t node, std::uint32_t vpl, float weight) {
-    if (!unused_.empty()) {
-      const std::uint32_t member = unused_.back();
-      unused_.pop_back();
-      nodes_[member] = node;
-      vpls_[member] = vpl;
-      weights_[member] = weight;
-      for (auto& column : columns_) std::fill_n(&column[member * S], S, 0.0f);
-      return member;
-    }
-    const std::size_t member = nodes_.size();
-    nodes_.push_back(node);
-    vpls_.push_back(vpl);
-    if (columns_[0].size() < blocks() * kLanes) {
-      for (auto& column : columns_) column.resize(2 * blocks() * kLanes);
-    }
-    if (weights_.size() < member + 4) weights_.resize(2 * (member + 4));
+  // For so many more.
+  void make_room(std::size_t more) {
+    if (size_ + more <= nodes_.size()) return;
+    const std::size_t room = 2 * (size_ + more);
+    nodes_.resize(room);
+    vpls_.resize(room);
+    weights_.resize(room + 3);
+    for (auto& column : columns_) column.resize((room + kSlots) * S);
+  }
+
+  // In the place of one that was released, if there is one. Its columns are not set.
+  EQ_INLINE std::uint32_t add(std::uint32_t node, std::uint32_t vpl, float weight) {
+    const auto member = unused_.empty() ? static_cast<std::uint32_t>(size_++) : unused_.pop();
+    nodes_[member] = node;
+    vpls_[member] = vpl;
     weights_[member] = weight;
-    return static_cast<std::uint32_t>(member);
+    return member;
   }
 
   // Its columns stay until another takes its place.
-  void release(std::uint32_t member) { unused_.push_back(member); }
+  void release(std::uint32_t member) {
+    unused_.make_room(1);
+    unused_.push(member);
+  }
+
+  EQ_INLINE void darken(std::size_t member, std::size_t first, std::size_t last) {
+    for (std::size_t column = first; column < last; ++column) std::fill_n(at(member, column), S, 0.0f);
+  }
+
+  // Zeros in the last block's lanes beyond the last member.
+  void close() {
+    for (auto& column : columns_)
+      std::fill(column.begin() + static_cast<std::ptrdiff_t>(size_ * S),
+                column.begin() + static_cast<std::ptrdiff_t>(blocks() * kLanes), 0.0f);
+  }
 
   EQ_INLINE float* at(std::size_t member, std::size_t column) { return &columns_[column][member * S]; }
   EQ_INLINE Floats block(std::size_t index, std::size_t column) const {
@@ -82,9 +109,11 @@ class Members {
  private:
   std::size_t materials_;
   bool grey_;
+  std::size_t size_ = 0;
   std::vector<std::vector<float>> columns_;
   std::vector<float> weights_;
-  std::vector<std::uint32_t> nodes_, vpls_, unused_;
+  std::vector<std::uint32_t> nodes_, vpls_;
+  Pile<std::uint32_t> unused_;
 };
 
 // What S points see of kLanes / S VPLs, but for the material.

@@ -78,7 +78,7 @@ struct LaneAxisSight {
   Floats height, distance2, length;
 };
 
-// Of the largest cosine; `length` goes with it.
+// Of the largest cosine.
 EQ_INLINE LaneAxisSight sight_axis(const LaneBox& box) {
   const Floats height = box.center.z + box.half.z;
   const Floats near_x = least_distance(box.center.x, box.half.x),
@@ -95,11 +95,20 @@ EQ_INLINE Floats cosine_of(const LaneAxisSight& sight) {
   return select(sight.length > 0.0f, cosine, broadcast(1));
 }
 
-EQ_INLINE Floats tan_half_of(const LaneAxisSight& sight) {
-  return select(sight.height > 0.0f, sqrt(sight.distance2) / (sight.height + sight.length), broadcast(1));
+// A tangent's square as a fraction.
+struct LaneFraction {
+  Floats above, below;
+};
+
+// Of half the angle to the axis; 1 where the box reaches below.
+EQ_INLINE LaneFraction tan_half2_of(const LaneAxisSight& sight) {
+  const Floats below = sight.height + sight.length;
+  const Mask up = sight.height > 0.0f;
+  return {select(up, sight.distance2, broadcast(1)), select(up, below * below, broadcast(1))};
 }
 
-EQ_INLINE Floats bound_half_vector(const LaneBox& box, const Floats3& v, Floats least_r, Floats most_r) {
+EQ_INLINE LaneFraction bound_half_vector(const LaneBox& box, const Floats3& v, Floats least_r,
+                                         Floats most_r) {
   const auto distance = [&](Floats center, Floats half, Floats along) {
     const Floats a = along * least_r, b = along * most_r;
     const Floats low = center - half + min(a, b), high = center + half + max(a, b);
@@ -107,7 +116,14 @@ EQ_INLINE Floats bound_half_vector(const LaneBox& box, const Floats3& v, Floats 
   };
   const Floats height = box.center.z + box.half.z + v.z * most_r;  // v.z > 0 where it is asked for
   const Floats x = distance(box.center.x, box.half.x, v.x), y = distance(box.center.y, box.half.y, v.y);
-  return select(height > 0.0f, sqrt(x * x + y * y) / height, zeros());
+  const Mask up = height > 0.0f;
+  return {select(up, x * x + y * y, zeros()), select(up, height * height, broadcast(1))};
+}
+
+// Either is a lower bound, so where products leave float's range the wrong choice does no harm.
+EQ_INLINE Floats larger_root(const LaneFraction& a, const LaneFraction& b) {
+  const Mask first = a.above * b.below > b.above * a.below;
+  return sqrt(select(first, a.above, b.above) / select(first, a.below, b.below));
 }
 
 EQ_INLINE Floats bound_lobe(GlossModel model, float alpha, Floats cos_v, Floats cos_l, Floats tan2) {
@@ -126,23 +142,22 @@ EQ_INLINE Floats bound_lobe(GlossModel model, float alpha, Floats cos_v, Floats 
   return e / (4 * kPi * a2 * cos_v);
 }
 
+// Nodes as they are bounded.
 struct NodeLanes {
-  LaneBox box;
-  Floats3 low, high, axis;
-  Floats cos_angle, weight;
+  Floats3 low, high;
+  LaneFrame normals;
+  Floats cos_angle, sin_angle, weight;
 };
 
-// The first `count` of ids; the last stands for those beyond.
-template <std::size_t S>
+// A node for each lane: the first `count` of ids; the last stands for those beyond.
 EQ_INLINE NodeLanes load_nodes(const LightTree& tree, const std::uint32_t* ids, std::size_t count) {
-  std::array<const float*, kLanes / S> rows, rest;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  std::array<const float*, kLanes> rows, rest;
+  for (std::size_t i = 0; i < kLanes; ++i) {
     rows[i] = reinterpret_cast<const float*>(&tree.nodes[ids[std::min(i, count - 1)]]);
     rest[i] = rows[i] + 4;
   }
-  const Columns4 first = load_columns<S>(rows), second = load_columns<S>(rest);
-  const Ints low_xy = bits_of(first[0]), mixed = bits_of(first[1]), high_yz = bits_of(first[2]),
-             axis_xy = bits_of(first[3]), cosine = bits_of(second[0]);
+  const Columns4 first = load_columns<1>(rows), second = load_columns<1>(rest);
+  const Ints low_xy = bits_of(first[0]), mixed = bits_of(first[1]), high_yz = bits_of(first[2]);
   const auto unsigned_low = [](Ints pair) { return to_floats(low_unsigned(pair)); };
   const auto unsigned_high = [](Ints pair) { return to_floats(high_unsigned(pair)); };
   const Vec3 o = tree.origin, s = tree.step;
@@ -151,19 +166,36 @@ EQ_INLINE NodeLanes load_nodes(const LightTree& tree, const std::uint32_t* ids, 
                o.z + s.z * unsigned_low(mixed)};
   lanes.high = {o.x + s.x * unsigned_high(mixed), o.y + s.y * unsigned_low(high_yz),
                 o.z + s.z * unsigned_high(high_yz)};
-  lanes.cos_angle = to_floats(low_signed(cosine)) * (1 / 32767.0f);
+  lanes.normals = make_frame(decode_octahedral(bits_of(first[3])));
+  lanes.cos_angle = to_floats(low_signed(bits_of(second[0]))) * (1 / 32767.0f);
+  lanes.sin_angle = sqrt(max(zeros(), 1.0f - lanes.cos_angle * lanes.cos_angle));
   lanes.weight = second[1];
-  lanes.axis = decode_octahedral(axis_xy);
   return lanes;
+}
+
+template <std::size_t S>
+EQ_INLINE Floats3 spread(const Floats3& a, std::size_t part) {
+  return {spread<S>(a.x, part), spread<S>(a.y, part), spread<S>(a.z, part)};
+}
+
+// Those of one part of kLanes / S, each in S lanes.
+template <std::size_t S>
+EQ_INLINE NodeLanes spread(const NodeLanes& nodes, std::size_t part) {
+  return {
+      spread<S>(nodes.low, part),
+      spread<S>(nodes.high, part),
+      {spread<S>(nodes.normals.s, part), spread<S>(nodes.normals.t, part), spread<S>(nodes.normals.n, part)},
+      spread<S>(nodes.cos_angle, part),
+      spread<S>(nodes.sin_angle, part),
+      spread<S>(nodes.weight, part)};
 }
 
 // The largest cosine at the VPLs towards the point; `box` is about the point.
 EQ_INLINE Floats bound_vpl_cosine(const NodeLanes& nodes, const LaneBox& box) {
   const LaneBox back{{-box.center.x, -box.center.y, -box.center.z}, box.half};
-  const Floats cosine = cosine_of(sight_axis(rotate_box(make_frame(nodes.axis), back)));
-  const Floats sine = sqrt(max(zeros(), 1.0f - cosine * cosine)),
-               sin_angle = sqrt(max(zeros(), 1.0f - nodes.cos_angle * nodes.cos_angle));
-  const Floats wide = min(broadcast(1), cosine * nodes.cos_angle + sine * sin_angle + 1e-6f);
+  const Floats cosine = cosine_of(sight_axis(rotate_box(nodes.normals, back)));
+  const Floats sine = sqrt(max(zeros(), 1.0f - cosine * cosine));
+  const Floats wide = min(broadcast(1), cosine * nodes.cos_angle + sine * nodes.sin_angle + 1e-6f);
   return max(zeros(), select(cosine >= nodes.cos_angle, broadcast(1), wide));
 }
 
@@ -197,10 +229,7 @@ EQ_INLINE Floats bound_peak(const Material& material, const LaneBound& bound, Fl
 }
 
 // `glossy`: some material is. Emission without the gloss of VPLs.
-template <std::size_t S>
-EQ_INLINE LaneBound bound_lanes(const LightTree& tree, const LanePoint& point, bool glossy,
-                                const std::uint32_t* ids, std::size_t count) {
-  const NodeLanes nodes = load_nodes<S>(tree, ids, count);
+EQ_INLINE LaneBound bound_lanes(const NodeLanes& nodes, const LanePoint& point, bool glossy) {
   const Floats3 from = nodes.low - point.p, to = nodes.high - point.p;
   const LaneBox about{(from + to) * broadcast(0.5f), (to - from) * broadcast(0.5f)};
   const auto near = [](Floats a, Floats b) { return max(zeros(), max(a, -b)); };
@@ -213,10 +242,11 @@ EQ_INLINE LaneBound bound_lanes(const LightTree& tree, const LanePoint& point, b
   bound.tan2 = zeros();
   if (glossy) {
     const Floats3 farthest{far(from.x, to.x), far(from.y, to.y), far(from.z, to.z)};
-    const Floats mirror = tan_half_of(sight_axis(rotate_box(point.mirror, about)));
-    const Floats half = bound_half_vector(box, point.v, sqrt(bound.least_r2),
-                                          sqrt(dot(farthest, farthest)) * (1 + BoundSlack::kRelative));
-    const Floats tan = max(zeros(), max(mirror, half) * (1 - BoundSlack::kRelative) - BoundSlack::kTangent);
+    const LaneFraction mirror = tan_half2_of(sight_axis(rotate_box(point.mirror, about)));
+    const LaneFraction half = bound_half_vector(box, point.v, sqrt(bound.least_r2),
+                                                sqrt(dot(farthest, farthest)) * (1 + BoundSlack::kRelative));
+    const Floats tan =
+        max(zeros(), larger_root(mirror, half) * (1 - BoundSlack::kRelative) - BoundSlack::kTangent);
     bound.tan2 = tan * tan;
   }
   bound.emission = nodes.weight * bound_vpl_cosine(nodes, about) * (1 + BoundSlack::kRelative);

@@ -18,7 +18,7 @@ using WatchRays = std::function<void(const PointPacket& from, const PointPacket&
 // Rays are traced as soon as there are enough for a packet; answers are taken in the order of the rays.
 class RayQueue {
  public:
-  static constexpr std::size_t kMostPackets = 32;  // between two calls of restart
+  static constexpr std::size_t kMostPackets = 16;  // between two calls of restart
 
   RayQueue(const World& world, bool coherent, const WatchRays& watch)
       : world_(world), coherent_(coherent), watch_(watch) {}

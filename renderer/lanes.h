@@ -228,6 +228,30 @@ EQ_INLINE Floats tile(const float* values) {
   return load(values);
 }
 
+// Of the values in S-th parts of the lanes those of one part, S times each: lane i is value part x kLanes / S
+// + i / S.
+template <std::size_t S>
+EQ_INLINE Floats spread(Floats values, std::size_t part) {
+  if constexpr (S == 1) return values;
+  const auto first = static_cast<int>(part * (kLanes / S));
+  constexpr auto from = [](int lane) { return lane / static_cast<int>(S); };
+#ifdef EQUILUX_ISA_V4
+  const __m512i lanes =
+      _mm512_setr_epi32(from(0), from(1), from(2), from(3), from(4), from(5), from(6), from(7), from(8),
+                        from(9), from(10), from(11), from(12), from(13), from(14), from(15));
+  return {_mm512_permutexvar_ps(_mm512_add_epi32(lanes, _mm512_set1_epi32(first)), values.v)};
+#else
+  const __m256 source = first < 8 ? values.a : values.b;
+  const __m256i place = _mm256_set1_epi32(first % 8);
+  const __m256i low =
+                    _mm256_setr_epi32(from(0), from(1), from(2), from(3), from(4), from(5), from(6), from(7)),
+                high = _mm256_setr_epi32(from(8), from(9), from(10), from(11), from(12), from(13), from(14),
+                                         from(15));
+  return {_mm256_permutevar8x32_ps(source, _mm256_add_epi32(low, place)),
+          _mm256_permutevar8x32_ps(source, _mm256_add_epi32(high, place))};
+#endif
+}
+
 // Four columns of kLanes / S rows of four floats, each value in S lanes.
 using Columns4 = std::array<Floats, 4>;
 

@@ -2,7 +2,6 @@
 #include "renderer/light_tree.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +9,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "renderer/light_tree_layout.h"
+#include "renderer/light_tree_plan.h"
 #include "renderer/parallel.h"
 
 namespace equilux {
@@ -151,44 +151,31 @@ float pack_angle(double angle) { return static_cast<float>(angle) * (1 + 1e-6f);
 // Builds the draft of one subtree.
 class SubtreeBuilder {
  public:
-  SubtreeBuilder(const LightTree& tree, const LargeArray<std::uint64_t>& keys, const StreamKey& random,
-                 std::uint32_t leaf_size)
-      : tree_(tree), keys_(keys), random_(random), leaf_size_(leaf_size) {}
+  SubtreeBuilder(const LightTree& tree, const std::vector<PlanNode>& plan,
+                 const LargeArray<std::uint64_t>& keys, const StreamKey& random, std::uint32_t leaf_size)
+      : tree_(tree), plan_(plan), keys_(keys), random_(random), leaf_size_(leaf_size) {}
 
-  Bounds build(std::uint32_t first, std::uint32_t last) {
-    const auto place = draft.nodes.size();
-    draft.nodes.emplace_back();
-    draft.counts.push_back(last - first);
-    if (glossy()) draft.gloss.emplace_back();
-    Bounds bounds;
-    if (last - first <= leaf_size_) {
-      bounds = make_bounds(tree_.vpls, first);
-      for (std::uint32_t i = first + 1; i < last; ++i)
-        bounds = join(bounds, make_bounds(tree_.vpls, i), first, i + 1);
-      store(place, bounds, static_cast<std::uint16_t>(last - first), first);
-    } else {
-      const std::uint32_t middle = find_split(first, last);
-      const Bounds left = build(first, middle);
-      const auto right_place = static_cast<std::uint32_t>(draft.nodes.size());
-      const Bounds right = build(middle, last);
-      bounds = join(left, right, first, last);
-      store(place, bounds, 0, right_place);
-    }
+  // What the plan has from a node on.
+  Bounds build(std::uint32_t planned) {
+    const PlanNode& node = plan_[planned];
+    if (node.is_range()) return build_range(node.first, node.last);
+    const std::size_t place = add_node(node.count);
+    const Bounds left = build(node.left);
+    const auto right_place = static_cast<std::uint32_t>(draft.nodes.size());
+    const Bounds right = build(node.right);
+    const Bounds bounds = join_planned(planned, left, right);
+    store(place, bounds, 0, right_place);
     return bounds;
   }
 
-  // Where the highest bit in which the keys of a range differ changes; its middle where none does.
-  std::uint32_t find_split(std::uint32_t first, std::uint32_t last) const {
-    const std::uint64_t differ = keys_[first] ^ keys_[last - 1];
-    if (differ == 0) return first + (last - first) / 2;
-    const std::uint64_t bit = 1ULL << (63 - std::countl_zero(differ));
-    const auto found = std::partition_point(keys_.begin() + first, keys_.begin() + last,
-                                            [&](std::uint64_t key) { return (key & bit) == 0; });
-    return static_cast<std::uint32_t>(found - keys_.begin());
+  Bounds join_planned(std::uint32_t planned, const Bounds& left, const Bounds& right) const {
+    constexpr std::uint32_t kPlanned = ~0u;  // beyond the last VPL
+    return join(left, right, kPlanned, planned);
   }
 
-  Bounds join(const Bounds& a, const Bounds& b, std::uint32_t first, std::uint32_t last) const {
-    RandomStream random(random_, static_cast<std::uint64_t>(first) << 32 | last);
+  // `high`, `low`: what tells this join's random number from all others.
+  Bounds join(const Bounds& a, const Bounds& b, std::uint32_t high, std::uint32_t low) const {
+    RandomStream random(random_, static_cast<std::uint64_t>(high) << 32 | low);
     const double share = double{a.weight} / (double{a.weight} + b.weight);
     return join_bounds(a, b, random.next_double() < share);
   }
@@ -206,12 +193,39 @@ class SubtreeBuilder {
  private:
   bool glossy() const { return !tree_.vpls.gloss.empty(); }
 
+  Bounds build_range(std::uint32_t first, std::uint32_t last) {
+    const std::size_t place = add_node(last - first);
+    Bounds bounds;
+    if (last - first <= leaf_size_) {
+      bounds = make_bounds(tree_.vpls, first);
+      for (std::uint32_t i = first + 1; i < last; ++i)
+        bounds = join(bounds, make_bounds(tree_.vpls, i), first, i + 1);
+      store(place, bounds, static_cast<std::uint16_t>(last - first), first);
+    } else {
+      const std::uint32_t middle = split_range(keys_, first, last);
+      const Bounds left = build_range(first, middle);
+      const auto right_place = static_cast<std::uint32_t>(draft.nodes.size());
+      const Bounds right = build_range(middle, last);
+      bounds = join(left, right, first, last);
+      store(place, bounds, 0, right_place);
+    }
+    return bounds;
+  }
+
+  std::size_t add_node(std::uint32_t count) {
+    draft.nodes.emplace_back();
+    draft.counts.push_back(count);
+    if (glossy()) draft.gloss.emplace_back();
+    return draft.nodes.size() - 1;
+  }
+
   void store(std::size_t place, const Bounds& bounds, std::uint16_t leaf_count, std::uint32_t next) {
     draft.nodes[place] = pack(bounds, leaf_count, next);
     if (glossy()) draft.gloss[place] = pack_gloss(bounds);
   }
 
   const LightTree& tree_;
+  const std::vector<PlanNode>& plan_;
   const LargeArray<std::uint64_t>& keys_;
   const StreamKey& random_;
   std::uint32_t leaf_size_;
@@ -253,33 +267,31 @@ LightNode SubtreeBuilder::pack(const Bounds& bounds, std::uint16_t leaf_count, s
           next};
 }
 
-// A range of VPLs that one job builds, or the join of two.
-struct TopNode {
-  std::uint32_t first = 0, last = 0;
-  std::size_t left = 0, right = 0;  // indices among the top nodes; 0 for a range of its own
-};
-
-std::size_t split_top(const SubtreeBuilder& builder, std::uint32_t first, std::uint32_t last,
-                      std::uint32_t largest, std::vector<TopNode>& top) {
-  const std::size_t place = top.size();
-  top.push_back({first, last});
-  if (last - first > largest) {
-    const std::uint32_t middle = builder.find_split(first, last);
-    const std::size_t left = split_top(builder, first, middle, largest, top);
-    const std::size_t right = split_top(builder, middle, last, largest, top);
-    top[place].left = left;
-    top[place].right = right;
-  }
-  return place;
-}
-
+// What one job builds, or the join of two.
 struct Subtree {
+  std::uint32_t planned = 0;
+  std::size_t left = 0, right = 0;  // indices among the subtrees; 0 for what one job builds
   TreeDraft draft;
   Bounds bounds;
+  std::size_t size_class = 0;  // of the largest node that the representative stands for
   DraftSizes sizes;
   std::uint32_t place = 0;           // of the root in the tree
   std::uint32_t representative = 0;  // among the tree's VPLs
 };
+
+// Children stand behind their parents.
+std::size_t add_subtrees(const std::vector<PlanNode>& plan, std::uint32_t planned, std::uint32_t largest,
+                         std::vector<Subtree>& subtrees) {
+  const std::size_t place = subtrees.size();
+  subtrees.emplace_back().planned = planned;
+  const PlanNode& node = plan[planned];
+  if (node.is_range() || node.count <= largest) return place;
+  const std::size_t left = add_subtrees(plan, node.left, largest, subtrees);
+  const std::size_t right = add_subtrees(plan, node.right, largest, subtrees);
+  subtrees[place].left = left;
+  subtrees[place].right = right;
+  return place;
+}
 
 void set_grid(LightTree& tree) {
   const Box box = find_box(tree.vpls.vpls);
@@ -303,19 +315,38 @@ VplList take_in_order(const VplList& list, const LargeArray<KeyedIndex>& order) 
   return sorted;
 }
 
+// Bounds and representatives of all, children before their parents; then what these stand for, from above.
+void join_subtrees(const SubtreeBuilder& builder, const std::vector<PlanNode>& plan,
+                   std::vector<Subtree>& subtrees) {
+  for (std::size_t i = subtrees.size(); i-- > 0;) {
+    Subtree& subtree = subtrees[i];
+    subtree.size_class = find_size_class(plan[subtree.planned].count);
+    if (subtree.left != 0)
+      subtree.bounds = builder.join_planned(subtree.planned, subtrees[subtree.left].bounds,
+                                            subtrees[subtree.right].bounds);
+  }
+  for (const Subtree& subtree : subtrees) {
+    if (subtree.left == 0) continue;
+    for (std::size_t child : {subtree.left, subtree.right}) {
+      if (subtrees[child].bounds.representative == subtree.bounds.representative)
+        subtrees[child].size_class = subtree.size_class;
+    }
+  }
+}
+
 // In front the root and a place that is left free, so that pairs share lines of the cache; then the pairs
 // of the top; then pairs by size.
-void place_subtrees(const std::vector<TopNode>& top, std::vector<Subtree>& subtrees, LightTree& tree) {
+void place_subtrees(std::vector<Subtree>& subtrees, LightTree& tree) {
   std::uint32_t next_pair = 2, next_vpl = 0;
-  for (const TopNode& node : top) {
-    if (node.left == 0) continue;
-    subtrees[node.left].place = next_pair;
-    subtrees[node.right].place = next_pair + 1;
+  for (const Subtree& subtree : subtrees) {
+    if (subtree.left == 0) continue;
+    subtrees[subtree.left].place = next_pair;
+    subtrees[subtree.right].place = next_pair + 1;
     next_pair += 2;
   }
-  std::vector<DraftSizes> starts(top.size());
+  std::vector<DraftSizes> starts(subtrees.size());
   for (std::size_t size = 0; size < kSizeClasses; ++size) {
-    for (std::size_t i = 0; i < top.size(); ++i) {
+    for (std::size_t i = 0; i < subtrees.size(); ++i) {
       starts[i].pairs[size] = next_pair;
       starts[i].vpls[size] = next_vpl;
       next_pair += 2 * subtrees[i].sizes.pairs[size];
@@ -327,21 +358,20 @@ void place_subtrees(const std::vector<TopNode>& top, std::vector<Subtree>& subtr
   if (!tree.vpls.gloss.empty()) tree.gloss.resize(tree.nodes.size());
   const LargeArray<Vpl> sorted = std::move(tree.vpls.vpls);
   tree.vpls.vpls = LargeArray<Vpl>(sorted.size());
-  for_each_parallel(top.size(), [&](std::size_t i) {
-    if (top[i].left != 0) return;
-    subtrees[i].representative = place_draft(subtrees[i].draft, sorted, subtrees[i].place, starts[i], tree);
-    subtrees[i].draft = {};
+  for_each_parallel(subtrees.size(), [&](std::size_t i) {
+    Subtree& subtree = subtrees[i];
+    if (subtree.left != 0) return;
+    subtree.representative =
+        place_draft(subtree.draft, sorted, subtree.place, subtree.size_class, starts[i], tree);
+    subtree.draft = {};
   });
 }
 
-// Children stand behind their parents among the top nodes.
-void join_top(const SubtreeBuilder& builder, const std::vector<TopNode>& top, std::vector<Subtree>& subtrees,
-              LightTree& tree) {
-  for (std::size_t i = top.size(); i-- > 0;) {
-    if (top[i].left == 0) continue;
+void store_top(const SubtreeBuilder& builder, std::vector<Subtree>& subtrees, LightTree& tree) {
+  for (std::size_t i = subtrees.size(); i-- > 0;) {
     Subtree& subtree = subtrees[i];
-    const Subtree &left = subtrees[top[i].left], &right = subtrees[top[i].right];
-    subtree.bounds = builder.join(left.bounds, right.bounds, top[i].first, top[i].last);
+    if (subtree.left == 0) continue;
+    const Subtree &left = subtrees[subtree.left], &right = subtrees[subtree.right];
     const bool of_left = subtree.bounds.representative == left.bounds.representative;
     subtree.representative = of_left ? left.representative : right.representative;
     LightNode& node = tree.nodes[subtree.place];
@@ -374,22 +404,26 @@ LightTree make_light_tree(VplList vpls, const LightTreeParams& params) {
   set_grid(tree);
   const StreamKey random = make_stream_key(params.seed, "light-tree");
   const auto leaf_size = static_cast<std::uint32_t>(params.leaf_size);
-  const auto count = static_cast<std::uint32_t>(keys.size());
-  const auto make_builder = [&] { return SubtreeBuilder(tree, keys, random, leaf_size); };
+  const float size = kGrid * length(tree.step);
+  const std::vector<PlanNode> plan = plan_tree(tree.vpls, keys, leaf_size, size);
+  const auto make_builder = [&] { return SubtreeBuilder(tree, plan, keys, random, leaf_size); };
 
-  std::vector<TopNode> top;
-  split_top(make_builder(), 0, count, std::max(leaf_size, count / 256 + 1), top);
-  std::vector<Subtree> subtrees(top.size());
-  for_each_parallel(top.size(), [&](std::size_t i) {
-    if (top[i].left != 0) return;
+  std::vector<Subtree> subtrees;
+  add_subtrees(plan, 0, std::max(leaf_size, plan[0].count / 256 + 1), subtrees);
+  for_each_parallel(subtrees.size(), [&](std::size_t i) {
+    Subtree& subtree = subtrees[i];
+    if (subtree.left != 0) return;
     SubtreeBuilder builder = make_builder();
-    subtrees[i].bounds = builder.build(top[i].first, top[i].last);
-    subtrees[i].draft = std::move(builder.draft);
-    subtrees[i].sizes = measure_draft(subtrees[i].draft);
+    subtree.bounds = builder.build(subtree.planned);
+    subtree.draft = std::move(builder.draft);
+  });
+  join_subtrees(make_builder(), plan, subtrees);
+  for_each_parallel(subtrees.size(), [&](std::size_t i) {
+    if (subtrees[i].left == 0) subtrees[i].sizes = measure_draft(subtrees[i].draft, subtrees[i].size_class);
   });
   keys = {};
-  place_subtrees(top, subtrees, tree);
-  join_top(make_builder(), top, subtrees, tree);
+  place_subtrees(subtrees, tree);
+  store_top(make_builder(), subtrees, tree);
   return tree;
 }
 

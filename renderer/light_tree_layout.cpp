@@ -5,18 +5,12 @@
 namespace equilux {
 namespace {
 
-std::size_t size_class(std::uint32_t count) {
-  std::size_t found = 0;
-  for (std::uint32_t least = 4096; least > 1 && count < least; least /= 8) ++found;
-  return found;
-}
-
 // A walk from the root, with the class of the largest node that each node's representative stands for.
 class DraftWalk {
  public:
   explicit DraftWalk(const TreeDraft& draft) : draft_(draft) {}
 
-  std::size_t own_class(std::uint32_t node) const { return size_class(draft_.counts[node]); }
+  std::size_t own_class(std::uint32_t node) const { return find_size_class(draft_.counts[node]); }
   std::size_t child_class(std::uint32_t parent, std::size_t parent_class, std::uint32_t child) const {
     const bool same = draft_.nodes[child].representative == draft_.nodes[parent].representative;
     return same ? parent_class : own_class(child);
@@ -76,17 +70,21 @@ class Placer : public DraftWalk {
 
 }  // namespace
 
-DraftSizes measure_draft(const TreeDraft& draft) {
-  const Measurer measurer(draft);
+std::size_t find_size_class(std::uint32_t count) {
+  std::size_t found = 0;
+  for (std::uint32_t least = 4096; least > 1 && count < least; least /= 8) ++found;
+  return found;
+}
+
+DraftSizes measure_draft(const TreeDraft& draft, std::size_t root_class) {
   DraftSizes sizes;
-  measurer.measure(0, measurer.own_class(0), sizes);
+  Measurer(draft).measure(0, root_class, sizes);
   return sizes;
 }
 
 std::uint32_t place_draft(const TreeDraft& draft, const LargeArray<Vpl>& sorted, std::uint32_t root,
-                          DraftSizes starts, LightTree& tree) {
-  Placer placer(draft, sorted, starts, tree);
-  return placer.place(0, root, placer.own_class(0));
+                          std::size_t root_class, DraftSizes starts, LightTree& tree) {
+  return Placer(draft, sorted, starts, tree).place(0, root, root_class);
 }
 
 }  // namespace equilux

@@ -17,15 +17,18 @@ struct TreeDraft {
 inline constexpr std::size_t kSizeClasses = 5;
 
 /// Numbers by size class: pairs of children by their parent's, VPLs by that of the largest node they stand
-/// for.
+/// for. `root_class`: of the largest node that the root's representative stands for.
 struct DraftSizes {
   std::array<std::uint32_t, kSizeClasses> pairs{}, vpls{};
 };
-DraftSizes measure_draft(const TreeDraft& draft);
+DraftSizes measure_draft(const TreeDraft& draft, std::size_t root_class);
+
+/// Of a node with so many VPLs below it.
+std::size_t find_size_class(std::uint32_t count);
 
 /// Moves a draft into its tree: the root to `root`, pairs of children to nodes[starts.pairs] and on, VPLs
 /// from `sorted` to tree.vpls.vpls[starts.vpls] and on. Gives where the root's representative has gone.
 std::uint32_t place_draft(const TreeDraft& draft, const LargeArray<Vpl>& sorted, std::uint32_t root,
-                          DraftSizes starts, LightTree& tree);
+                          std::size_t root_class, DraftSizes starts, LightTree& tree);
 
 }  // namespace equilux

@@ -72,7 +72,9 @@ class GroupCut {
     set_points(range);
     set_base(range);
     members_.clear();
-    for (std::uint32_t node : job_.params.adaptive ? job_.top : kRoot) open_.push_back({node, kNone});
+    const auto& top = job_.params.adaptive ? job_.top : kRoot;
+    open_.make_room(top.size());
+    for (std::uint32_t node : top) open_.push({node, kNone});
     if (!job_.params.adaptive) {
       set_thresholds(base_);
     } else if (before.known) {
@@ -83,6 +85,7 @@ class GroupCut {
     }
     for (;;) {
       refine();
+      members_.close();
       shade();
       if (!job_.params.adaptive) return;
       const std::vector<Floats> totals = sum_luminance();
@@ -100,14 +103,11 @@ class GroupCut {
 
   // Into the places of the group's points.
   void write_light(PointRange range, ShadedPoints& shaded) const {
+    constexpr std::size_t kAtOnce = 4;
     for (std::size_t m = 0; m < job_.materials.size(); ++m) {
-      for (std::size_t level = 0; level < job_.levels; ++level) {
-        const auto sums = sum_light(m, level);
-        for (std::size_t sample = 0; sample < range.count; ++sample)
-          shaded.radiance[shaded.index(m, level, range.first + sample)] = {
-              static_cast<float>(sums[0][sample]), static_cast<float>(sums[1][sample]),
-              static_cast<float>(sums[2][sample])};
-      }
+      std::size_t level = 0;
+      for (; level + kAtOnce <= job_.levels; level += kAtOnce) write_levels<kAtOnce>(m, level, range, shaded);
+      for (; level < job_.levels; ++level) write_levels<1>(m, level, range, shaded);
     }
   }
 
@@ -143,6 +143,17 @@ class GroupCut {
     lanes_ = load_points(bounds_);
     ng_ = load(ng);
     origins_ = load(origins);
+  }
+
+  template <std::size_t kLevels>
+  void write_levels(std::size_t m, std::size_t first, PointRange range, ShadedPoints& shaded) const {
+    const auto sums = sum_light<kLevels>(m, first);
+    for (std::size_t i = 0; i < kLevels; ++i) {
+      for (std::size_t sample = 0; sample < range.count; ++sample)
+        shaded.radiance[shaded.index(m, first + i, range.first + sample)] = {
+            static_cast<float>(sums[i][0][sample]), static_cast<float>(sums[i][1][sample]),
+            static_cast<float>(sums[i][2][sample])};
+    }
   }
 
   std::size_t index_of(std::size_t material, std::size_t level) const {
@@ -198,21 +209,24 @@ class GroupCut {
   // and level become members, the others give way to their children.
   void refine() {
     constexpr std::size_t kAhead = 4 * kLanes;
-    std::array<std::uint32_t, kSlots> ids;
+    std::array<std::uint32_t, kLanes> ids;
     for (std::size_t first = 0, count; first < open_.size(); first += count) {
-      count = std::min(kSlots, open_.size() - first);
+      count = std::min(kLanes, open_.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
         ids[i] = open_[first + i].node;
         if (first + i + kAhead < open_.size())
           __builtin_prefetch(&job_.tree.nodes[open_[first + i + kAhead].node]);
       }
-      look_at(first, ids.data(), count);
+      open_.make_room(2 * count);
+      const NodeLanes nodes = load_nodes(job_.tree, ids.data(), count);
+      for (std::size_t slot = 0; slot < count; slot += kSlots)
+        look_at(first + slot, spread<S>(nodes, slot / kSlots), &ids[slot], std::min(kSlots, count - slot));
     }
     open_.clear();
   }
 
-  void look_at(std::size_t first, const std::uint32_t* ids, std::size_t count) {
-    LaneBound bound = bound_lanes<S>(job_.tree, lanes_, !job_.lobes.empty(), ids, count);
+  void look_at(std::size_t first, const NodeLanes& nodes, const std::uint32_t* ids, std::size_t count) {
+    LaneBound bound = bound_lanes(nodes, lanes_, !job_.lobes.empty());
     if (!job_.tree.gloss.empty()) bound.emission = bound_glossy_emission(ids, count);
     const std::uint32_t asked = count < kSlots ? (1u << (count * S)) - 1u : 0xffffu;
     const std::uint32_t emits = lane_mask(bound.emission > 0.0f) & asked;
@@ -234,6 +248,7 @@ class GroupCut {
       }
       return;
     }
+    make_room(0);
     const auto emission = to_array(bound.emission);
     std::array<std::array<float, kLanes>, kMostMaterials> peak_lanes;
     for (std::size_t m = 0; m < job_.materials.size(); ++m) peak_lanes[m] = to_array(peaks[m]);
@@ -246,8 +261,11 @@ class GroupCut {
       }
       const std::uint32_t member =
           add_member(open.node, node.representative, open.heir, node.weight, node.weight);
-      if ((lit & lanes_of(slot)) == 0) continue;
-      if (open.heir == kNone) unlit_.push_back(member);
+      if ((lit & lanes_of(slot)) == 0) {
+        members_.darken(member, 0, open.heir == kNone ? members_.columns() : members_.peak_of(0));
+        continue;
+      }
+      if (open.heir == kNone) unlit_.push(member);
       std::memcpy(members_.at(member, Table::kEmission), &emission[slot * S], S * sizeof(float));
       for (std::size_t m = 0; m < job_.materials.size(); ++m)
         std::memcpy(members_.at(member, members_.bound_of(m)), &peak_lanes[m][slot * S], S * sizeof(float));
@@ -281,21 +299,29 @@ class GroupCut {
     return breaks;
   }
 
+  // For members of a leaf, and always for those of one look besides.
+  void make_room(std::size_t singles) {
+    members_.make_room(singles + kSlots);
+    unlit_.make_room(singles + kSlots);
+  }
+
   void split(const Open& open, const LightNode& node) {
     if (node.leaf_count == 0) {
       const auto heir = [&](std::uint32_t child) {
         return open.heir != kNone && job_.tree.nodes[child].representative == node.representative ? open.heir
                                                                                                   : kNone;
       };
-      open_.push_back({node.next, heir(node.next)});
-      open_.push_back({node.next + 1, heir(node.next + 1)});
+      open_.push({node.next, heir(node.next)});
+      open_.push({node.next + 1, heir(node.next + 1)});
       return;
     }
+    make_room(node.leaf_count);
     for (std::uint32_t vpl = node.next; vpl < node.next + node.leaf_count; ++vpl) {
       const std::uint32_t heir = vpl == node.representative ? open.heir : kNone;
       const std::uint32_t member =
           add_member(Table::kSingle, vpl, heir, -1, heir == kNone ? 0 : weigh_vpl(job_.tree.vpls, vpl));
-      if (heir == kNone) unlit_.push_back(member);
+      members_.darken(member, 0, members_.peak_of(0));
+      if (heir == kNone) unlit_.push(member);
     }
   }
 
@@ -333,7 +359,8 @@ class GroupCut {
   }
 
   void release(std::uint32_t member) {
-    open_.push_back({members_.node(member), static_cast<std::uint32_t>(released_.size())});
+    open_.make_room(1);
+    open_.push({members_.node(member), static_cast<std::uint32_t>(released_.size())});
     released_.push_back(members_.node(member));
     for (std::size_t column = members_.peak_of(0); column < members_.columns(); ++column) {
       const float* source = members_.at(member, column);
@@ -380,10 +407,13 @@ class GroupCut {
     __builtin_prefetch(&job_.tree.vpls.vpls[members_.vpl(member)]);
   }
 
-  // Members whose light no sample sees keep their columns' zeros.
   void light_members(const std::uint32_t* members, std::size_t count, Sight& sight) {
     const std::uint32_t visible = queue_.take(sight.faced);
-    if (visible == 0) return;
+    if (visible == 0) {
+      for (std::size_t i = 0; i < count; ++i)
+        members_.darken(members[i], members_.peak_of(0), members_.columns());
+      return;
+    }
     sight.seen = from_lane_mask(visible);
     sight.light = select(sight.seen, sight.light, splat({}));
     if (!job_.tree.vpls.gloss.empty()) add_gloss(members, count, sight);
@@ -507,26 +537,30 @@ class GroupCut {
             members_.block(block, members_.light_of(m, 2))};
   }
 
-  // shape: channel x sample
-  std::array<std::array<double, S>, 3> sum_light(std::size_t m, std::size_t level) const {
-    std::array<std::array<double, S>, 3> sums{};
-    const Floats clamp = broadcast(job_.clamps_per_m2[level]);
-    for (std::size_t first = 0; first < members_.blocks(); first += kBlocksOfSums) {
-      Floats3 part = splat({});
-      for (std::size_t block = first; block < std::min(members_.blocks(), first + kBlocksOfSums); ++block) {
-        const Floats transfer = min(clamp, members_.block(block, members_.peak_of(m)));
+  // Of some levels from `first` on. shape: level x channel x sample
+  template <std::size_t kLevels>
+  auto sum_light(std::size_t m, std::size_t first) const {
+    std::array<std::array<std::array<double, S>, 3>, kLevels> sums{};
+    for (std::size_t begin = 0; begin < members_.blocks(); begin += kBlocksOfSums) {
+      std::array<Floats3, kLevels> parts;
+      parts.fill(splat({}));
+      for (std::size_t block = begin; block < std::min(members_.blocks(), begin + kBlocksOfSums); ++block) {
+        const Floats peak = members_.block(block, members_.peak_of(m));
         const Floats3 light = light_block(block, m);
-        part.x += light.x * transfer;
-        part.y += light.y * transfer;
-        part.z += light.z * transfer;
+        for (std::size_t i = 0; i < kLevels; ++i)
+          parts[i] = parts[i] + light * min(broadcast(job_.clamps_per_m2[first + i]), peak);
       }
-      const std::array<std::array<float, kLanes>, 3> lanes{to_array(part.x), to_array(part.y),
-                                                           to_array(part.z)};
-      for (std::size_t channel = 0; channel < 3; ++channel) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane) sums[channel][lane % S] += lanes[channel][lane];
-      }
+      for (std::size_t i = 0; i < kLevels; ++i) add_lanes(parts[i], sums[i]);
     }
     return sums;
+  }
+
+  static void add_lanes(const Floats3& part, std::array<std::array<double, S>, 3>& sums) {
+    const std::array<std::array<float, kLanes>, 3> lanes{to_array(part.x), to_array(part.y),
+                                                         to_array(part.z)};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sums[channel][lane % S] += lanes[channel][lane];
+    }
   }
 
   const CutJob& job_;
@@ -537,11 +571,11 @@ class GroupCut {
   LanePoint lanes_{};
   Floats3 ng_{}, origins_{};
   std::uint32_t valid_ = 0;
-  std::vector<Open> open_;
+  Pile<Open> open_;
   std::vector<std::uint32_t> released_;  // nodes
   std::vector<float> released_light_;    // shape: released x column from the peaks on x S
   std::vector<Floats> luminances_;       // of blocks of members
-  std::vector<std::uint32_t> unlit_;
+  Pile<std::uint32_t> unlit_;
   std::array<Sight, RayQueue::kMostPackets> sights_;
   RayQueue queue_;
 };
@@ -663,7 +697,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
 NodeBounds bound_nodes(const LightTree& tree, const Material& material, const BoundPoint& point,
                        const std::uint32_t* ids, std::size_t count) {
   const LanePoint lanes = load_points(std::vector<BoundPoint>(kLanes, point));
-  const LaneBound bound = bound_lanes<1>(tree, lanes, material.glossy_share > 0, ids, count);
+  const LaneBound bound = bound_lanes(load_nodes(tree, ids, count), lanes, material.glossy_share > 0);
   const Floats lobe =
       material.glossy_share > 0 ? bound_lobe({material.model, material.alpha}, lanes, bound) : zeros();
   const auto peaks = to_array(bound_peak(material, bound, lobe)), emissions = to_array(bound.emission);

@@ -13,8 +13,8 @@ namespace {
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
 constexpr int kPathEstimator = 4;
-constexpr int kVplEstimator = 4;
-constexpr int kLightcutEstimator = 4;
+constexpr int kVplEstimator = 5;
+constexpr int kLightcutEstimator = 5;
 
 // Where the two cost the same in the café, for the eleven levels of one material.
 constexpr std::int64_t kMostPlainVpls = 20000;

@@ -1,11 +1,11 @@
 // The light tree, its bounds, and the cut against the plain sum over all VPLs.
-#include "renderer/light_tree.h"
-
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
 #include <set>
 
 #include "base/random.h"
+#include "renderer/light_tree_plan.h"
 #include "renderer/lightcut.h"
 #include "renderer/node_bounds.h"
 #include "renderer/parallel.h"
@@ -123,6 +123,84 @@ TEST(LightTree, IsTheSameOnOneAndTwoThreadsAndAnotherForAnotherSeed) {
   };
   EXPECT_EQ(representatives(1, 1), representatives(1, 2));
   EXPECT_NE(representatives(1, 1), representatives(2, 1));
+}
+
+double sum_extents(const VplList& list, const std::vector<std::vector<std::uint32_t>>& clusters) {
+  double sum = 0;
+  for (const auto& cluster : clusters) {
+    Vec3 low = list.vpls[cluster[0]].p, high = low;
+    for (std::uint32_t i : cluster) {
+      const Vec3 p = list.vpls[i].p;
+      low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    sum += static_cast<double>(cluster.size()) * length(high - low);
+  }
+  return sum;
+}
+
+// Keys that sort by x alone cut 64 slabs; 64 clusters of the plan over the same ranges are far smaller.
+TEST(LightTreePlan, FindsSplitsThatMakeExtentsSmall) {
+  RandomStream random(9, "plan", 0);
+  VplList list;
+  for (int i = 0; i < 4096; ++i) list.vpls.push_back(Vpl(draw_point(random, 2), 0, {0, 0, 1}, {1, 1, 1}));
+  std::sort(list.vpls.begin(), list.vpls.end(), [](const Vpl& a, const Vpl& b) { return a.p.x < b.p.x; });
+  LargeArray<std::uint64_t> keys;
+  for (std::uint64_t i = 0; i < 4096; ++i) keys.push_back(i);
+  const std::vector<PlanNode> plan = plan_tree(list, keys, 1, 7);
+  EXPECT_EQ(plan.size(), 2 * 4096u - 1);
+  std::vector<std::uint32_t> nodes{0};
+  while (nodes.size() < 64) {
+    std::vector<std::uint32_t> next;
+    for (std::uint32_t node : nodes) {
+      ASSERT_EQ(plan[node].count, plan[plan[node].left].count + plan[plan[node].right].count);
+      next.push_back(plan[node].left);
+      next.push_back(plan[node].right);
+    }
+    nodes = next;
+  }
+  std::vector<std::vector<std::uint32_t>> found(64), slabs(64);
+  const auto collect = [&](const auto& self, std::uint32_t node,
+                           std::vector<std::uint32_t>& cluster) -> void {
+    if (plan[node].is_range()) return cluster.push_back(plan[node].first);
+    self(self, plan[node].left, cluster);
+    self(self, plan[node].right, cluster);
+  };
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < 64; ++i) {
+    collect(collect, nodes[i], found[i]);
+    all += found[i].size();
+    for (std::uint32_t k = 0; k < 64; ++k) slabs[i].push_back(static_cast<std::uint32_t>(64 * i) + k);
+  }
+  EXPECT_EQ(all, 4096u);
+  // Cubes have a diagonal of 1.7 sides of 1 m, slabs one of 5.7 m.
+  EXPECT_LT(sum_extents(list, found), 0.4 * sum_extents(list, slabs));
+}
+
+// Cuts of large clusters read what lies in front: children of larger nodes come before those of smaller ones,
+// and the VPLs that stand for large nodes before the others.
+TEST(LightTree, LiesInMemoryBySize) {
+  const LightTree tree = make_light_tree(draw_vpls(50000, 4, false), {1, 2});
+  std::vector<std::uint32_t> counts(tree.nodes.size()), path;
+  for_each_member(tree, 0, path, [&](std::uint32_t node, std::uint32_t) { ++counts[node]; });
+  std::vector<std::uint32_t> parents(tree.nodes.size());
+  for (std::uint32_t i = 0; i < tree.nodes.size(); ++i) {
+    if (i == 1 || tree.nodes[i].leaf_count > 0) continue;
+    EXPECT_EQ(tree.nodes[i].next % 2, 0u);
+    parents[tree.nodes[i].next] = parents[tree.nodes[i].next + 1] = i;
+  }
+  const auto size_class = [](std::uint32_t count) { return count >= 64 ? 2 : count >= 8 ? 1 : 0; };
+  for (std::size_t i = 4; i < tree.nodes.size(); i += 2)
+    ASSERT_LE(size_class(counts[parents[i]]), size_class(counts[parents[i - 2]])) << i;
+  std::size_t large = 0;
+  std::uint32_t furthest = 0;
+  for (std::size_t i = 2; i < tree.nodes.size(); ++i) {
+    if (counts[i] < 64) continue;
+    ++large;
+    furthest = std::max(furthest, tree.nodes[i].representative);
+  }
+  EXPECT_GT(large, 300u);
+  EXPECT_LT(furthest, 2 * large);  // leaves of two
 }
 
 // Of the root, over 4,000 seeds, in proportion to weights that go from 1 to 16. Level .001.
