@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "renderer/cut_groups.h"
 #include "renderer/cut_members.h"
 #include "renderer/kernels.h"
 #include "renderer/lane_bounds.h"
@@ -43,11 +44,6 @@ struct CutJob {
 struct Totals {
   bool known = false;
   std::vector<float> luminance;
-};
-
-// The points that share a cut.
-struct PointRange {
-  std::size_t first, count;
 };
 
 template <std::size_t S>
@@ -627,35 +623,6 @@ void add_material(const Material& material, CutJob& job) {
   if (found == job.lobes.end()) job.lobes.push_back(lobe);
 }
 
-// Samples of a pixel that follow one another.
-std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points) {
-  std::vector<PointRange> groups;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (groups.empty() || points[i].pixel != points[groups.back().first].pixel ||
-        groups.back().count == kLanes)
-      groups.push_back({i, 0});
-    ++groups.back().count;
-  }
-  return groups;
-}
-
-// Some hundred clusters from level by level.
-std::vector<std::uint32_t> find_top(const LightTree& tree) {
-  constexpr std::size_t kEnough = 256;
-  std::vector<std::uint32_t> top{0};
-  for (std::size_t before = 0; before < top.size() && top.size() < kEnough;) {
-    before = top.size();
-    std::vector<std::uint32_t> next;
-    for (std::uint32_t index : top) {
-      const LightNode& node = tree.nodes[index];
-      next.push_back(node.leaf_count == 0 ? node.next : index);
-      if (node.leaf_count == 0) next.push_back(node.next + 1);
-    }
-    top = std::move(next);
-  }
-  return top;
-}
-
 }  // namespace
 
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
@@ -674,7 +641,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
     std::vector<float> clamps(clamps_per_m2.begin(), clamps_per_m2.end());
     CutJob job{world, points, tree, materials, {}, {}, true, clamps, clamps_per_m2.size(), params, top};
     for (const Material& material : materials) add_material(material, job);
-    const std::vector<PointRange> groups = group_points(points);
+    const std::vector<PointRange> groups = group_points(points, kLanes);
     for_each_parallel((groups.size() + kCutBlock - 1) / kCutBlock, [&](std::size_t block) {
       const std::size_t first = block * kCutBlock, last = std::min(groups.size(), first + kCutBlock);
       Cuts cuts(job);

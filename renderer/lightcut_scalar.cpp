@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "renderer/cut_groups.h"
 #include "renderer/lightcut.h"
 #include "renderer/parallel.h"
 
@@ -68,21 +69,8 @@ class PointCut {
   // Some hundred clusters from level by level, for first thresholds: too high or too low, they only decide
   // how many rounds follow and whether some clusters are split in vain.
   std::vector<CutMember> start() {
-    constexpr std::size_t kEnough = 256;
-    std::vector<std::uint32_t> nodes{0};
-    bool grew = true;
-    while (grew && nodes.size() < kEnough) {
-      std::vector<std::uint32_t> next;
-      for (std::uint32_t index : nodes) {
-        const LightNode& node = job_.tree.nodes[index];
-        next.push_back(node.leaf_count == 0 ? node.next : index);
-        if (node.leaf_count == 0) next.push_back(node.next + 1);
-      }
-      grew = next.size() > nodes.size();
-      nodes = std::move(next);
-    }
     std::vector<CutMember> members;
-    for (std::uint32_t index : nodes) members.push_back(make_cluster(index));
+    for (std::uint32_t index : find_top(job_.tree)) members.push_back(make_cluster(index));
     return members;
   }
 

@@ -1,0 +1,25 @@
+// Which points share a cut, and where cuts start: the same for every instruction set.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "renderer/light_tree.h"
+#include "renderer/shade.h"
+
+namespace equilux {
+
+/// Points that share a cut.
+struct PointRange {
+  std::size_t first = 0, count = 0;
+};
+
+/// Samples of a pixel that follow one another, at most `most` in a range.
+std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points, std::size_t most);
+
+/// The tree's nodes from level by level, leaves above them included, once there are 256 or no more. Cuts that
+/// start higher err by too much where few clusters hold all light.
+std::vector<std::uint32_t> find_top(const LightTree& tree);
+
+}  // namespace equilux
