@@ -313,10 +313,11 @@ TEST(ClusterBounds, HoldForEveryMemberPointMaterialAndLevel) {
           for (std::size_t lane = 0; lane < count; ++lane) {
             const std::size_t i = first + lane;
             const float scalar = bound_transfer(most_m[i], sights[i].least_r2, kUnclamped);
-            // Of narrower lobes the exponential makes much of the last bit. At the horizon a Lambertian bound
-            // is a cosine, and nothing but its rounding.
+            // Of narrower lobes the exponential makes much of the last bit. At the horizon a bound without
+            // gloss is a cosine, and nothing but its rounding.
+            const float diffuse = max_component(material.rho_d) * kInvPi * sights[i].most_cos;
             const bool wide = material.alpha == 0 || material.alpha > 0.01f,
-                       grazing = material.alpha == 0 && sights[i].most_cos < 1e-4f;
+                       grazing = diffuse > 0.99f * most_m[i] && sights[i].most_cos < 1e-4f;
             if (wide && std::isfinite(scalar) && scalar > 1e-30f && bounds.peak[lane] > 1e-30f) {
               if (grazing) {
                 cosines_apart = std::max(
