@@ -32,6 +32,16 @@ std::vector<fs::path> list_files(const fs::path& folder) {
   return files;
 }
 
+// Without a rest: a small set's files come within milliseconds of one another.
+std::size_t count_files(const fs::path& folder) {
+  std::size_t count = 0;
+  std::error_code gone;
+  for (fs::recursive_directory_iterator entry(folder, gone), end; !gone && entry != end;
+       entry.increment(gone))
+    count += entry->is_regular_file(gone) ? 1 : 0;
+  return count;
+}
+
 /// Everything that `set` made but times: file -> digest.
 std::map<std::string, std::string> digest_products(const fs::path& folder) {
   std::map<std::string, std::string> digests;
@@ -76,8 +86,7 @@ class RenderSet : public ::testing::Test {
   /// Kills a run once the folder holds this many files, and a moment later; false if it was over before.
   bool kill_at(std::size_t files, std::chrono::duration<double> moment, int threads) {
     Child child(EQUILUX_BIN_DIR "/equilux-render", set_words(study_, disturbed_, threads));
-    while (list_files(disturbed_).size() < files && child.runs())
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    while (count_files(disturbed_) < files && child.runs()) std::this_thread::yield();
     std::this_thread::sleep_for(moment);
     child.kill();
     return child.wait().signal == SIGKILL;
@@ -100,7 +109,7 @@ TEST_F(RenderSet, KilledLeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
   const auto all = static_cast<double>(whole.size());
   RandomStream random(51, "render kill", 0);
   int kills = 0, in_mid_set = 0;
-  for (int run = 0; (kills < kKills || in_mid_set < kKills / 2) && run < 10 * kKills; ++run) {
+  for (int run = 0; (kills < kKills || in_mid_set < kKills / 2) && run < 40 * kKills; ++run) {
     const auto held = static_cast<double>(list_files(disturbed_).size());
     const auto files = static_cast<std::size_t>(held + random.next_double() * std::max(0.0, all - held));
     const bool killed = kill_at(files, random.next_double() * whole_run / all, 1 + run % 3);
