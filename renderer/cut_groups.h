@@ -18,8 +18,8 @@ struct PointRange {
 /// Samples of a pixel that follow one another, at most `most` in a range.
 std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points, std::size_t most);
 
-/// The tree's nodes from level by level, leaves above them included, once there are 256 or no more. Cuts that
-/// start higher err by too much where few clusters hold all light.
+/// Clusters that hold all VPLs: the tree's first level of at least 256, leaves above it included, or all
+/// leaves. Cuts that start higher err by too much where few clusters hold all light.
 std::vector<std::uint32_t> find_top(const LightTree& tree);
 
 }  // namespace equilux

@@ -1,6 +1,8 @@
 // Shadow rays of packets with idle lanes, traced in packets without.
 #pragma once
 
+#include <bit>
+#include <cstring>
 #include <functional>
 
 #include "renderer/lanes.h"

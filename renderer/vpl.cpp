@@ -110,6 +110,12 @@ void check_finite(const VplList& list) {
     throw InputError("scene", "/lights", "lights whose VPLs are finite", fmt::format("{} that are not", bad));
 }
 
+void check_gloss_count(std::size_t count) {
+  if (count > Vpl::kMostGloss)
+    throw InputError("VPLs", "full emission", fmt::format("at most {} that are glossy", Vpl::kMostGloss),
+                     std::to_string(count));
+}
+
 // One part of all blocks, in their order. The blocks' own is freed on the way.
 VplList join_lists(std::vector<VplSet>& blocks, VplList VplSet::*part) {
   std::vector<std::size_t> firsts, first_gloss;
@@ -120,6 +126,7 @@ VplList join_lists(std::vector<VplSet>& blocks, VplList VplSet::*part) {
     count += (block.*part).size();
     gloss_count += (block.*part).gloss.size();
   }
+  check_gloss_count(gloss_count);
   VplList joined;
   joined.vpls.resize(count);
   joined.gloss.resize(gloss_count);
@@ -160,6 +167,7 @@ void Vpl::set_gloss(std::int32_t index) {
 }
 
 void VplList::append(const VplList& other) {
+  check_gloss_count(gloss.size() + other.gloss.size());
   const auto offset = static_cast<std::int32_t>(gloss.size());
   for (Vpl vpl : other.vpls) {
     if (vpl.gloss() >= 0) vpl.set_gloss(vpl.gloss() + offset);

@@ -19,7 +19,8 @@ struct Vpl {
   Vec3 p;
   Octahedral normal{};
   Vec3 intensity;  ///< W/sr along ng
-  /// From the high bit: the exponent of epsilon, in kExponentBits; one more than the glossy part's index.
+  /// Low kGlossBits: one more than the glossy part's index; above them the exponent of epsilon over
+  /// kLeastExponent.
   std::uint32_t packed = 0;
 
   static constexpr int kGlossBits = 25, kLeastExponent = -101;
@@ -54,10 +55,11 @@ struct VplGloss {
 
 struct VplList {
   LargeArray<Vpl> vpls;
-  std::vector<VplGloss>
-      gloss;  ///< of those that have it, at most Vpl::kMostGloss; empty with Lambertian emission
+  /// Of those that have it, at most Vpl::kMostGloss; empty with Lambertian emission.
+  std::vector<VplGloss> gloss;
 
   std::size_t size() const { return vpls.size(); }
+  /// errors: InputError for more glossy VPLs than can be told apart
   void append(const VplList& other);
   bool operator==(const VplList&) const = default;
 };
@@ -85,7 +87,8 @@ std::int64_t find_path_count(const World& world, std::int64_t target, std::uint6
 void with_vpl_memory(std::int64_t count, const std::function<void()>& body);
 
 /// Traces `paths` particles from the lights; at every surface that they meet they leave a VPL, if it sends
-/// light on. All are kept. The particles do not depend on `emission`.
+/// light on. All are kept. The particles do not depend on `emission`. errors: InputError for VPLs that are
+/// not finite, and for more glossy ones than Vpl::kMostGloss
 VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
                   const std::string& stream_name, Emission emission = Emission::kLambertian);
 

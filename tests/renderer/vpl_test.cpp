@@ -1,8 +1,10 @@
 // Particle tracing: counts, sharing between materials, and agreement with the path tracer.
 #include "renderer/vpl.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
+#include "base/random.h"
 #include "renderer/parallel.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
@@ -34,6 +36,25 @@ Scene floating_ball() {
       "intensity":[5,5,5]}},
     {"rectangle":{"corner":[-1.8,1.2,2.8],"u":[0,0.5,0],"v":[0.5,0,0],"radiance":[6,5,4]}}])";
   return test::make_scene(text);
+}
+
+TEST(Vpl, KeepsItsNormalAndItsEpsilonWithinABoundAndItsGlossExactly) {
+  RandomStream random(3, "vpl", 0);
+  for (int i = 0; i < 10000; ++i) {
+    const Vec3 ng = sample_cosine(random.next_float(), random.next_float()) * (i % 2 == 0 ? 1.0f : -1.0f);
+    const float epsilon = std::pow(10.0f, -25 + 30 * random.next_float());
+    Vpl vpl({1, 2, 3}, epsilon, ng, {4, 5, 6});
+    EXPECT_EQ(vpl.gloss(), -1);
+    const auto gloss = static_cast<std::int32_t>(random.next_below(Vpl::kMostGloss));
+    vpl.set_gloss(gloss);
+    ASSERT_EQ(vpl.gloss(), gloss);
+    ASSERT_LT(std::atan2(length(cross(vpl.ng(), ng)), dot(vpl.ng(), ng)), kOctahedralError);
+    ASSERT_GE(vpl.epsilon(), epsilon);
+    ASSERT_LT(vpl.epsilon(), 2 * epsilon);
+    vpl.set_gloss(-1);
+    ASSERT_EQ(vpl.gloss(), -1);
+  }
+  EXPECT_EQ(Vpl({}, 0.25f, {0, 0, 1}, {}).epsilon(), 0.25f);
 }
 
 TEST(Vpls, PathsThatNeverMetTheObjectAreTheSameForEveryMaterial) {
