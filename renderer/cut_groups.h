@@ -1,4 +1,4 @@
-// Which points share a cut, and where cuts start: the same for every instruction set.
+// Which points walk the light tree together, and where cuts start: the same for every instruction set.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace equilux {
 
-/// Points that share a cut.
+/// Points that walk together.
 struct PointRange {
   std::size_t first = 0, count = 0;
 };

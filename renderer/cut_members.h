@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "renderer/lane_lobe.h"
@@ -21,7 +22,6 @@ class Pile {
     if (size_ + more > values_.size()) values_.resize(2 * (size_ + more));
   }
   EQ_INLINE void push(T value) { values_[size_++] = value; }
-  EQ_INLINE T pop() { return values_[--size_]; }
   void clear() { size_ = 0; }
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -33,87 +33,73 @@ class Pile {
   std::size_t size_ = 0;
 };
 
-// Members of a cut, in columns of S floats a member: the bound of its emission; for each material the bound
-// of M / r^2 and M / r^2 of its light; and the light in three channels, for all materials in one if they are
-// grey. A member's light at a level is light x min{c, peak}, its bound there emission x min{c, bound}.
+// Members of the cuts of S samples, each a VPL that stands for a cluster or for itself, in columns of S
+// floats a member. At each sample: the weight of the cluster it stands for, below zero for itself alone and 0
+// if it is not in that sample's cut; the cluster's node, as bits; the bound of its emission, for each
+// material the bound of M / r^2; and of its light for each material M / r^2 and the light in three channels,
+// for all materials in one if they are grey. A member's light at a level is light x min{c, peak}, its bound
+// there emission x min{c, bound}.
 template <std::size_t S>
 class Members {
  public:
   static constexpr std::size_t kSlots = kLanes / S;
-  static constexpr std::uint32_t kSingle = ~0u;  // in place of a node: a VPL by itself
-  static constexpr std::size_t kEmission = 0;
+  static constexpr std::uint32_t kSingle = ~0u;  // in place of a node
+  static constexpr std::size_t kWeight = 0, kNode = 1, kEmission = 2;
 
   Members(std::size_t materials, bool grey)
-      : materials_(materials), grey_(grey), columns_(1 + 2 * materials + 3 * (grey ? 1 : materials)) {}
+      : materials_(materials), grey_(grey), columns_(3 + 2 * materials + 3 * (grey ? 1 : materials)) {}
 
-  std::size_t bound_of(std::size_t material) const { return 1 + material; }
-  std::size_t peak_of(std::size_t material) const { return 1 + materials_ + material; }
+  std::size_t bound_of(std::size_t material) const { return 3 + material; }
+  std::size_t peak_of(std::size_t material) const { return 3 + materials_ + material; }
   std::size_t light_of(std::size_t material, std::size_t channel) const {
-    return 1 + 2 * materials_ + (grey_ ? 0 : 3 * material) + channel;
+    return 3 + 2 * materials_ + (grey_ ? 0 : 3 * material) + channel;
   }
+  std::size_t first_of_light() const { return light_of(0, 0); }
   std::size_t columns() const { return columns_.size(); }
 
   std::size_t size() const { return size_; }
   std::size_t blocks() const { return (size() + kSlots - 1) / kSlots; }
-  EQ_INLINE std::uint32_t node(std::size_t member) const { return nodes_[member]; }
   EQ_INLINE std::uint32_t vpl(std::size_t member) const { return vpls_[member]; }
-  // Of its VPLs; a single's is below zero. Four floats may be read there.
-  EQ_INLINE const float* weight(std::size_t member) const { return &weights_[member]; }
-
-  void clear() {
-    size_ = 0;
-    unused_.clear();
+  std::uint32_t node(std::size_t member, std::size_t sample) const {
+    std::uint32_t node;
+    std::memcpy(&node, at(member, kNode) + sample, sizeof(node));
+    return node;
   }
 
-  // For so many more.
+  void clear() { size_ = 0; }
+
+  // For so many more, and for what is written beyond them.
   void make_room(std::size_t more) {
-    if (size_ + more <= nodes_.size()) return;
+    if (size_ + more <= vpls_.size()) return;
     const std::size_t room = 2 * (size_ + more);
-    nodes_.resize(room);
     vpls_.resize(room);
-    weights_.resize(room + 3);
-    for (auto& column : columns_) column.resize((room + kSlots) * S);
+    for (auto& column : columns_) column.resize(room / kSlots + 3);
   }
 
-  // In the place of one that was released, if there is one. Its columns are not set.
-  EQ_INLINE std::uint32_t add(std::uint32_t node, std::uint32_t vpl, float weight) {
-    const auto member = unused_.empty() ? static_cast<std::uint32_t>(size_++) : unused_.pop();
-    nodes_[member] = node;
-    vpls_[member] = vpl;
-    weights_[member] = weight;
-    return member;
-  }
-
-  // Its columns stay until another takes its place.
-  void release(std::uint32_t member) {
-    unused_.make_room(1);
-    unused_.push(member);
-  }
-
-  EQ_INLINE void darken(std::size_t member, std::size_t first, std::size_t last) {
-    for (std::size_t column = first; column < last; ++column) std::fill_n(at(member, column), S, 0.0f);
-  }
+  // One more, whose columns are set or will be.
+  EQ_INLINE void add(std::uint32_t vpl) { vpls_[size_++] = vpl; }
 
   // Zeros in the last block's lanes beyond the last member.
   void close() {
-    for (auto& column : columns_)
-      std::fill(column.begin() + static_cast<std::ptrdiff_t>(size_ * S),
-                column.begin() + static_cast<std::ptrdiff_t>(blocks() * kLanes), 0.0f);
+    for (std::size_t column = 0; column < columns_.size(); ++column)
+      std::fill(at(size_, column), at(blocks() * kSlots, column), 0.0f);
   }
 
-  EQ_INLINE float* at(std::size_t member, std::size_t column) { return &columns_[column][member * S]; }
-  EQ_INLINE Floats block(std::size_t index, std::size_t column) const {
-    return load(&columns_[column][index * kLanes]);
+  // May be read and written kLanes before and behind.
+  EQ_INLINE float* at(std::size_t member, std::size_t column) {
+    return reinterpret_cast<float*>(columns_[column].data() + 1) + member * S;
   }
+  EQ_INLINE const float* at(std::size_t member, std::size_t column) const {
+    return reinterpret_cast<const float*>(columns_[column].data() + 1) + member * S;
+  }
+  EQ_INLINE Floats block(std::size_t index, std::size_t column) const { return columns_[column][index + 1]; }
 
  private:
   std::size_t materials_;
   bool grey_;
   std::size_t size_ = 0;
-  std::vector<std::vector<float>> columns_;
-  std::vector<float> weights_;
-  std::vector<std::uint32_t> nodes_, vpls_;
-  Pile<std::uint32_t> unused_;
+  std::vector<std::vector<Floats>> columns_;  // one empty block in front
+  std::vector<std::uint32_t> vpls_;
 };
 
 // What S points see of kLanes / S VPLs, but for the material.

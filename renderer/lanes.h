@@ -41,9 +41,16 @@ struct alignas(64) Floats {
 EQ_INLINE Floats broadcast(float value) { return {_mm512_set1_ps(value)}; }
 EQ_INLINE Floats load(const float* values) { return {_mm512_loadu_ps(values)}; }
 EQ_INLINE void store(float* values, Floats a) { _mm512_storeu_ps(values, a.v); }
+// Bits that are only moved.
+EQ_INLINE Floats load_bits(const std::uint32_t* values) {
+  return {_mm512_castsi512_ps(_mm512_loadu_si512(values))};
+}
 // Those of `lanes`, one after another; what follows them, up to kLanes in all, is overwritten.
 EQ_INLINE void store_compressed(float* values, Floats a, std::uint32_t lanes) {
   _mm512_storeu_ps(values, _mm512_maskz_compress_ps(static_cast<__mmask16>(lanes), a.v));
+}
+EQ_INLINE void store_some(float* values, Floats a, std::uint32_t lanes) {
+  _mm512_mask_storeu_ps(values, static_cast<__mmask16>(lanes), a.v);
 }
 EQ_INLINE Floats operator+(Floats a, Floats b) { return {_mm512_add_ps(a.v, b.v)}; }
 EQ_INLINE Floats operator-(Floats a, Floats b) { return {_mm512_sub_ps(a.v, b.v)}; }
@@ -112,6 +119,13 @@ EQ_INLINE void store(float* values, Floats x) {
   _mm256_storeu_ps(values, x.a);
   _mm256_storeu_ps(values + 8, x.b);
 }
+// Bits that are only moved.
+EQ_INLINE Floats load_bits(const std::uint32_t* values) {
+  const auto eight = [](const std::uint32_t* from) {
+    return _mm256_castsi256_ps(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
+  };
+  return {eight(values), eight(values + 8)};
+}
 // Those of eight lanes in front.
 EQ_INLINE __m256 compress_eight(__m256 x, std::uint32_t lanes) {
   const std::uint64_t bytes = _pdep_u64(lanes, 0x0101010101010101ULL) * 0xff;
@@ -122,6 +136,11 @@ EQ_INLINE __m256 compress_eight(__m256 x, std::uint32_t lanes) {
 EQ_INLINE void store_compressed(float* values, Floats x, std::uint32_t lanes) {
   _mm256_storeu_ps(values, compress_eight(x.a, lanes & 0xffu));
   _mm256_storeu_ps(values + std::popcount(lanes & 0xffu), compress_eight(x.b, lanes >> 8));
+}
+EQ_INLINE void store_some(float* values, Floats x, std::uint32_t lanes) {
+  const Mask mask = from_lane_mask(lanes);
+  _mm256_maskstore_ps(values, _mm256_castps_si256(mask.a), x.a);
+  _mm256_maskstore_ps(values + 8, _mm256_castps_si256(mask.b), x.b);
 }
 EQ_INLINE Floats operator+(Floats x, Floats y) { return {_mm256_add_ps(x.a, y.a), _mm256_add_ps(x.b, y.b)}; }
 EQ_INLINE Floats operator-(Floats x, Floats y) { return {_mm256_sub_ps(x.a, y.a), _mm256_sub_ps(x.b, y.b)}; }

@@ -270,7 +270,9 @@ LightNode SubtreeBuilder::pack(const Bounds& bounds, std::uint16_t leaf_count, s
 // What one job builds, or the join of two.
 struct Subtree {
   std::uint32_t planned = 0;
-  std::size_t left = 0, right = 0;  // indices among the subtrees; 0 for what one job builds
+  // The halves' indices among the subtrees, once they are joined first the one with the representative; 0 for
+  // what one job builds.
+  std::size_t first = 0, second = 0;
   TreeDraft draft;
   Bounds bounds;
   std::size_t size_class = 0;  // of the largest node that the representative stands for
@@ -288,8 +290,8 @@ std::size_t add_subtrees(const std::vector<PlanNode>& plan, std::uint32_t planne
   if (node.is_range() || node.count <= largest) return place;
   const std::size_t left = add_subtrees(plan, node.left, largest, subtrees);
   const std::size_t right = add_subtrees(plan, node.right, largest, subtrees);
-  subtrees[place].left = left;
-  subtrees[place].right = right;
+  subtrees[place].first = left;
+  subtrees[place].second = right;
   return place;
 }
 
@@ -321,16 +323,13 @@ void join_subtrees(const SubtreeBuilder& builder, const std::vector<PlanNode>& p
   for (std::size_t i = subtrees.size(); i-- > 0;) {
     Subtree& subtree = subtrees[i];
     subtree.size_class = find_size_class(plan[subtree.planned].count);
-    if (subtree.left != 0)
-      subtree.bounds = builder.join_planned(subtree.planned, subtrees[subtree.left].bounds,
-                                            subtrees[subtree.right].bounds);
+    if (subtree.first == 0) continue;
+    const Bounds &left = subtrees[subtree.first].bounds, &right = subtrees[subtree.second].bounds;
+    subtree.bounds = builder.join_planned(subtree.planned, left, right);
+    if (subtree.bounds.representative == right.representative) std::swap(subtree.first, subtree.second);
   }
   for (const Subtree& subtree : subtrees) {
-    if (subtree.left == 0) continue;
-    for (std::size_t child : {subtree.left, subtree.right}) {
-      if (subtrees[child].bounds.representative == subtree.bounds.representative)
-        subtrees[child].size_class = subtree.size_class;
-    }
+    if (subtree.first != 0) subtrees[subtree.first].size_class = subtree.size_class;
   }
 }
 
@@ -339,9 +338,9 @@ void join_subtrees(const SubtreeBuilder& builder, const std::vector<PlanNode>& p
 void place_subtrees(std::vector<Subtree>& subtrees, LightTree& tree) {
   std::uint32_t next_pair = 2, next_vpl = 0;
   for (const Subtree& subtree : subtrees) {
-    if (subtree.left == 0) continue;
-    subtrees[subtree.left].place = next_pair;
-    subtrees[subtree.right].place = next_pair + 1;
+    if (subtree.first == 0) continue;
+    subtrees[subtree.first].place = next_pair;
+    subtrees[subtree.second].place = next_pair + 1;
     next_pair += 2;
   }
   std::vector<DraftSizes> starts(subtrees.size());
@@ -360,7 +359,7 @@ void place_subtrees(std::vector<Subtree>& subtrees, LightTree& tree) {
   tree.vpls.vpls = LargeArray<Vpl>(sorted.size());
   for_each_parallel(subtrees.size(), [&](std::size_t i) {
     Subtree& subtree = subtrees[i];
-    if (subtree.left != 0) return;
+    if (subtree.first != 0) return;
     subtree.representative =
         place_draft(subtree.draft, sorted, subtree.place, subtree.size_class, starts[i], tree);
     subtree.draft = {};
@@ -370,12 +369,11 @@ void place_subtrees(std::vector<Subtree>& subtrees, LightTree& tree) {
 void store_top(const SubtreeBuilder& builder, std::vector<Subtree>& subtrees, LightTree& tree) {
   for (std::size_t i = subtrees.size(); i-- > 0;) {
     Subtree& subtree = subtrees[i];
-    if (subtree.left == 0) continue;
-    const Subtree &left = subtrees[subtree.left], &right = subtrees[subtree.right];
-    const bool of_left = subtree.bounds.representative == left.bounds.representative;
-    subtree.representative = of_left ? left.representative : right.representative;
+    if (subtree.first == 0) continue;
+    const Subtree& first = subtrees[subtree.first];
+    subtree.representative = first.representative;
     LightNode& node = tree.nodes[subtree.place];
-    node = builder.pack(subtree.bounds, 0, left.place);
+    node = builder.pack(subtree.bounds, 0, first.place);
     node.representative = subtree.representative;
     if (!tree.gloss.empty()) tree.gloss[subtree.place] = SubtreeBuilder::pack_gloss(subtree.bounds);
   }
@@ -412,14 +410,14 @@ LightTree make_light_tree(VplList vpls, const LightTreeParams& params) {
   add_subtrees(plan, 0, std::max(leaf_size, plan[0].count / 256 + 1), subtrees);
   for_each_parallel(subtrees.size(), [&](std::size_t i) {
     Subtree& subtree = subtrees[i];
-    if (subtree.left != 0) return;
+    if (subtree.first != 0) return;
     SubtreeBuilder builder = make_builder();
     subtree.bounds = builder.build(subtree.planned);
     subtree.draft = std::move(builder.draft);
   });
   join_subtrees(make_builder(), plan, subtrees);
   for_each_parallel(subtrees.size(), [&](std::size_t i) {
-    if (subtrees[i].left == 0) subtrees[i].sizes = measure_draft(subtrees[i].draft, subtrees[i].size_class);
+    if (subtrees[i].first == 0) subtrees[i].sizes = measure_draft(subtrees[i].draft, subtrees[i].size_class);
   });
   keys = {};
   place_subtrees(subtrees, tree);

@@ -31,7 +31,7 @@ struct GlossCluster {
 };
 
 /// A node in 32 bytes. Bounds are rounded outwards on a grid over the root's box. The children of an inner
-/// node lie side by side; a leaf holds VPLs one after another.
+/// node lie side by side, first the one with its representative; a leaf holds VPLs one after another.
 struct LightNode {
   std::array<std::uint16_t, 3> low, high;
   Octahedral axis;
@@ -39,7 +39,7 @@ struct LightNode {
   std::uint16_t leaf_count;  ///< of VPLs; 0: an inner node
   float weight;
   std::uint32_t representative;  ///< index among the VPLs; drawn in proportion to their weights
-  std::uint32_t next;            ///< index of the left child, or of a leaf's first VPL
+  std::uint32_t next;            ///< index of the first child, or of a leaf's first VPL
 };
 static_assert(sizeof(LightNode) == 32);
 

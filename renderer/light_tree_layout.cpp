@@ -1,6 +1,7 @@
 #include "renderer/light_tree_layout.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace equilux {
 namespace {
@@ -50,11 +51,12 @@ class Placer : public DraftWalk {
       node.representative += first - node.next;
       node.next = first;
     } else {
-      const std::uint32_t left = index + 1, right = node.next, pair = next_.pairs[own_class(index)];
+      std::uint32_t first = index + 1, second = node.next;
+      if (node.representative == draft_.nodes[second].representative) std::swap(first, second);
+      const std::uint32_t pair = next_.pairs[own_class(index)];
       next_.pairs[own_class(index)] += 2;
-      const std::uint32_t of_left = place(left, pair, child_class(index, vpl_class, left));
-      const std::uint32_t of_right = place(right, pair + 1, child_class(index, vpl_class, right));
-      node.representative = node.representative == draft_.nodes[left].representative ? of_left : of_right;
+      node.representative = place(first, pair, vpl_class);
+      place(second, pair + 1, own_class(second));
       node.next = pair;
     }
     tree_.nodes[target] = node;

@@ -34,11 +34,11 @@ inline constexpr std::size_t kMostMaterials = 16;
 ///   bound(level, material) <= error_ratio x max(total(level, material), floor),
 /// with the totals that the cut itself gives. No cut is too large. A cluster's light is its representative's,
 /// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum, but
-/// for what totals that depend on the representatives do. Points of one pixel that follow one another share a
-/// cut, up to sixteen, each by its own rule; so do the materials, at most kMostMaterials: light of one then
-/// depends, within the rule, on what else was asked for. A pixel's first thresholds come from the pixel
-/// before it in its run of kCutBlock. source: Walter et al., "Lightcuts: a scalable approach to
-/// illumination", SIGGRAPH 2005.
+/// for what totals that depend on the representatives do. Points of one pixel that follow one another, up to
+/// sixteen, walk the tree together, each with a cut of its own. The materials share cuts, at most
+/// kMostMaterials: light of one then depends, within the rule, on what else was asked for. A pixel's first
+/// thresholds come from the pixel before it in its run of kCutBlock. source: Walter et al., "Lightcuts: a
+/// scalable approach to illumination", SIGGRAPH 2005.
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
                             const LightTree& tree, const std::vector<Material>& materials,
                             const std::vector<double>& clamps_per_m2, const LightcutParams& params,

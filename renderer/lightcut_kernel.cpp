@@ -1,5 +1,7 @@
-// The fast lightcut: one cut for the samples of a pixel. Sixteen lanes are S samples by 16 / S nodes or
-// lights; lane = slot x S + sample.
+// The fast lightcut: the samples of a pixel walk the tree together, each with a cut of its own. Sixteen lanes
+// are S samples by 16 / S nodes or lights; lane = slot x S + sample. A sample at which a node keeps the rule
+// stays behind where others go on: it goes down with the children that have the node's representative, to be
+// lit by the ray that others ask for there, and asks for none itself.
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -10,10 +12,8 @@
 
 #include "base/error.h"
 #include "renderer/cut_groups.h"
-#include "renderer/cut_members.h"
+#include "renderer/cut_light.h"
 #include "renderer/kernels.h"
-#include "renderer/lane_bounds.h"
-#include "renderer/lane_rays.h"
 #include "renderer/parallel.h"
 
 // After all other headers.
@@ -25,20 +25,6 @@ namespace equilux::EQ_ISA {
 namespace {
 
 constexpr std::size_t kBlocksOfSums = 32;  // blocks of members summed in float before they go to double
-
-struct CutJob {
-  const World& world;
-  const std::vector<ShadingPoint>& points;
-  const LightTree& tree;
-  const std::vector<Material>& materials;
-  std::vector<Lobe> lobes;           // of all glossy materials, each once
-  std::vector<std::size_t> lobe_of;  // each material's, if it is glossy
-  bool grey;                         // all materials are: their light differs by one factor
-  std::vector<float> clamps_per_m2;
-  std::size_t levels;
-  const LightcutParams& params;
-  const std::vector<std::uint32_t>& top;
-};
 
 // Luminance at each material and level, as the group before had it on average.
 struct Totals {
@@ -57,7 +43,7 @@ class GroupCut {
         least_thresholds_(job.materials.size(), zeros()),
         thresholds_(job.materials.size() * job.levels, zeros()),
         base_(thresholds_),
-        queue_(job.world, S > 1, job.params.watch_rays) {
+        light_(job) {
     bounds_.reserve(kLanes);
   }
 
@@ -68,9 +54,11 @@ class GroupCut {
     set_points(range);
     set_base(range);
     members_.clear();
+    lit_ = 0;
+    dark_ = zeros();
     const auto& top = job_.params.adaptive ? job_.top : kRoot;
     open_.make_room(top.size());
-    for (std::uint32_t node : top) open_.push({node, kNone});
+    for (std::uint32_t node : top) open_.push({node, kNone, (1u << range.count) - 1u});
     if (!job_.params.adaptive) {
       set_thresholds(base_);
     } else if (before.known) {
@@ -82,20 +70,34 @@ class GroupCut {
     for (;;) {
       refine();
       members_.close();
-      shade();
+      light_.shade(points_, members_, lit_);
+      lit_ = members_.size();
       if (!job_.params.adaptive) return;
       const std::vector<Floats> totals = sum_luminance();
       const std::vector<Floats> old = thresholds_;
       set_thresholds(totals);
-      keep_totals(totals, before);
+      keep_totals(totals, range.count, before);
       bool stricter = false;
       for (std::size_t i = 0; i < old.size(); ++i) stricter |= any(thresholds_[i] < old[i]);
       if (!stricter || !reopen()) return;
     }
   }
 
-  std::size_t size() const { return members_.size(); }
-  std::uint64_t rays() const { return queue_.rays(); }
+  std::uint64_t rays() const { return light_.rays(); }
+
+  // Of each sample's cut, those without light included.
+  std::array<std::uint32_t, S> sizes() const {
+    Floats counts = dark_;
+    for (std::size_t block = 0; block < members_.blocks(); ++block) {
+      const Floats weight = members_.block(block, Table::kWeight);
+      counts += select((weight > 0.0f) | (weight < 0.0f), broadcast(1), zeros());
+    }
+    std::array<std::uint32_t, S> sizes{};
+    const auto lanes = to_array(counts);
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      sizes[lane % S] += static_cast<std::uint32_t>(lanes[lane]);
+    return sizes;
+  }
 
   // Into the places of the group's points.
   void write_light(PointRange range, ShadedPoints& shaded) const {
@@ -110,6 +112,8 @@ class GroupCut {
  private:
   using Table = Members<S>;
   static constexpr std::uint32_t kNone = ~0u;
+  // A slot's lanes: S ones.
+  static constexpr std::uint32_t kSlot = S == kLanes ? 0xffffu : (1u << S) - 1u;
   // The first lane of each slot.
   static constexpr std::uint32_t kFirstLanes = S == 1   ? 0xffffu
                                                : S == 2 ? 0x5555u
@@ -118,15 +122,15 @@ class GroupCut {
                                                         : 1u;
   static inline const std::vector<std::uint32_t> kRoot{0};
 
-  // A node to look at; `heir`: a released member of the same representative, or kNone.
+  // A node to look at for some samples; `member`: the one of its representative that stands for clusters
+  // above it, or kNone.
   struct Open {
-    std::uint32_t node, heir;
+    std::uint32_t node, member, samples;
   };
 
-  // The last point stands for those beyond; its rays are not traced.
+  // The last point stands for those beyond, which have no cut.
   void set_points(PointRange range) {
     Lane3 ng, origins;
-    valid_ = 0;
     bounds_.clear();
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const std::size_t sample = std::min(lane % S, range.count - 1);
@@ -134,11 +138,8 @@ class GroupCut {
       bounds_.push_back(lane < S ? make_bound_point(point) : BoundPoint(bounds_[lane % S]));
       ng.set(lane, point.surface.ng);
       origins.set(lane, point.surface.origin());
-      if (lane % S < range.count) valid_ |= 1u << lane;
     }
-    lanes_ = load_points(bounds_);
-    ng_ = load(ng);
-    origins_ = load(origins);
+    points_ = {load_points(bounds_), load(ng), load(origins)};
   }
 
   template <std::size_t kLevels>
@@ -191,18 +192,18 @@ class GroupCut {
     set_thresholds(totals);
   }
 
-  void keep_totals(const std::vector<Floats>& totals, Totals& kept) const {
+  static void keep_totals(const std::vector<Floats>& totals, std::size_t count, Totals& kept) {
     kept.known = true;
     kept.luminance.clear();
     for (const Floats& total : totals) {
       const auto lanes = to_array(total);
-      kept.luminance.push_back(std::accumulate(lanes.begin(), lanes.begin() + S, 0.0f) /
-                               static_cast<float>(S));
+      kept.luminance.push_back(std::accumulate(lanes.begin(), lanes.begin() + count, 0.0f) /
+                               static_cast<float>(count));
     }
   }
 
-  // Looks at all open nodes, level by level of the tree: those that keep the rule at every sample, material
-  // and level become members, the others give way to their children.
+  // Looks at all open nodes, level by level of the tree: samples at which a node keeps the rule at every
+  // material and level have it in their cut, for the others it gives way to its children.
   void refine() {
     constexpr std::size_t kAhead = 4 * kLanes;
     std::array<std::uint32_t, kLanes> ids;
@@ -213,64 +214,115 @@ class GroupCut {
         if (first + i + kAhead < open_.size())
           __builtin_prefetch(&job_.tree.nodes[open_[first + i + kAhead].node]);
       }
+      std::fill(ids.begin() + count, ids.end(), ids[count - 1]);
       open_.make_room(2 * count);
       const NodeLanes nodes = load_nodes(job_.tree, ids.data(), count);
       for (std::size_t slot = 0; slot < count; slot += kSlots)
-        look_at(first + slot, spread<S>(nodes, slot / kSlots), &ids[slot], std::min(kSlots, count - slot));
+        look_at(first + slot, spread<S>(nodes, slot / kSlots),
+                spread<S>(load_bits(ids.data()), slot / kSlots), std::min(kSlots, count - slot));
     }
     open_.clear();
   }
 
-  void look_at(std::size_t first, const NodeLanes& nodes, const std::uint32_t* ids, std::size_t count) {
-    LaneBound bound = bound_lanes(nodes, lanes_, !job_.lobes.empty());
-    if (!job_.tree.gloss.empty()) bound.emission = bound_glossy_emission(ids, count);
-    const std::uint32_t asked = count < kSlots ? (1u << (count * S)) - 1u : 0xffffu;
+  // What is known of nodes that were looked at.
+  struct Looked {
+    Floats weight, ids, emission;
+    std::array<Floats, kMostMaterials> peaks;
+  };
+
+  void look_at(std::size_t first, const NodeLanes& nodes, Floats ids, std::size_t count) {
+    std::uint32_t asked = 0, joins = 0;
+    for (std::size_t slot = 0; slot < count; ++slot) {
+      asked |= open_[first + slot].samples << (slot * S);
+      if (open_[first + slot].member != kNone) joins |= kSlot << (slot * S);
+    }
+    LaneBound bound = bound_lanes(nodes, points_.lanes, !job_.lobes.empty());
+    if (!job_.tree.gloss.empty()) bound.emission = bound_glossy_emission(first, count);
     const std::uint32_t emits = lane_mask(bound.emission > 0.0f) & asked;
     std::uint32_t breaks = 0, lit = 0;
-    std::array<Floats, kMostMaterials> peaks;
+    Looked looked{nodes.weight, ids, bound.emission, {}};
     std::array<Floats, kMostMaterials> lobes;
     lobes[0] = zeros();
-    for (std::size_t i = 0; i < job_.lobes.size(); ++i) lobes[i] = bound_lobe(job_.lobes[i], lanes_, bound);
+    for (std::size_t i = 0; i < job_.lobes.size(); ++i)
+      lobes[i] = bound_lobe(job_.lobes[i], points_.lanes, bound);
     // Zero by infinite is not a number, which breaks no rule.
     for (std::size_t m = 0; m < job_.materials.size() && breaks != asked; ++m) {
-      peaks[m] = bound_peak(job_.materials[m], bound, lobes[job_.lobe_of[m]]);
-      lit |= lane_mask(peaks[m] > 0.0f) & emits;
-      breaks |= find_breaks(m, bound.emission, peaks[m], emits);
+      looked.peaks[m] = bound_peak(job_.materials[m], bound, lobes[job_.lobe_of[m]]);
+      lit |= lane_mask(looked.peaks[m] > 0.0f) & emits;
+      breaks |= find_breaks(m, bound.emission, looked.peaks[m], emits);
     }
     if (breaks == asked) {
-      for (std::size_t i = first; i < first + count; ++i) {
-        const Open open = open_[i];
-        split(open, job_.tree.nodes[open.node]);
-      }
+      for (std::size_t i = first; i < first + count; ++i) split(Open(open_[i]));
       return;
     }
     make_room(0);
-    const auto emission = to_array(bound.emission);
-    std::array<std::array<float, kLanes>, kMostMaterials> peak_lanes;
-    for (std::size_t m = 0; m < job_.materials.size(); ++m) peak_lanes[m] = to_array(peaks[m]);
-    for (std::size_t slot = 0; slot < count; ++slot) {
-      const Open open = open_[first + slot];
-      const LightNode& node = job_.tree.nodes[open.node];
-      if ((breaks & lanes_of(slot)) != 0) {
-        split(open, node);
-        continue;
-      }
-      const std::uint32_t member =
-          add_member(open.node, node.representative, open.heir, node.weight, node.weight);
-      if ((lit & lanes_of(slot)) == 0) {
-        members_.darken(member, 0, open.heir == kNone ? members_.columns() : members_.peak_of(0));
-        continue;
-      }
-      if (open.heir == kNone) unlit_.push(member);
-      std::memcpy(members_.at(member, Table::kEmission), &emission[slot * S], S * sizeof(float));
-      for (std::size_t m = 0; m < job_.materials.size(); ++m)
-        std::memcpy(members_.at(member, members_.bound_of(m)), &peak_lanes[m][slot * S], S * sizeof(float));
+    dark_ += select(from_lane_mask(asked & ~breaks & ~lit), broadcast(1), zeros());
+    const std::uint32_t kept = lit & ~breaks, added = fill_slots(kept & ~joins);
+    join(first, looked, kept, asked & ~breaks & joins);
+    const std::size_t next = members_.size();
+    add_members(first, looked, kept, added);
+    for (std::uint32_t left = fill_slots(breaks) & kFirstLanes; left != 0; left &= left - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+      Open open = open_[first + lane / S];
+      open.samples = (breaks >> lane) & kSlot;
+      if ((added >> lane) & 1u) open.member = static_cast<std::uint32_t>(next + rank(added, lane));
+      split(open);
     }
   }
 
-  // A slot's lanes: S ones.
-  static constexpr std::uint32_t kSlot = S == kLanes ? 0xffffu : (1u << S) - 1u;
-  static std::uint32_t lanes_of(std::size_t slot) { return kSlot << (slot * S); }
+  // Of the slot of a first lane among those of `slots`.
+  static std::size_t rank(std::uint32_t slots, std::size_t lane) {
+    return static_cast<std::size_t>(std::popcount(slots & kFirstLanes & ((1u << lane) - 1u)));
+  }
+
+  // Members for the slots of `added`, for the samples of `kept` among them.
+  void add_members(std::size_t first, const Looked& looked, std::uint32_t kept, std::uint32_t added) {
+    if (added == 0) return;
+    const std::size_t next = members_.size();
+    const Mask in = from_lane_mask(kept);
+    const auto append = [&](std::size_t column, Floats values) {
+      store_compressed(members_.at(next, column), values, added);
+    };
+    append(Table::kWeight, select(in, looked.weight, zeros()));
+    append(Table::kNode, looked.ids);
+    append(Table::kEmission, select(in, looked.emission, zeros()));
+    for (std::size_t m = 0; m < job_.materials.size(); ++m) append(members_.bound_of(m), looked.peaks[m]);
+    for (std::uint32_t left = added & kFirstLanes; left != 0; left &= left - 1) {
+      const std::size_t slot = static_cast<std::size_t>(std::countr_zero(left)) / S;
+      members_.add(job_.tree.nodes[open_[first + slot].node].representative);
+    }
+  }
+
+  // Samples of `ends` come to the members that their nodes were opened with; those of `kept` have light.
+  void join(std::size_t first, const Looked& looked, std::uint32_t kept, std::uint32_t ends) {
+    if (ends == 0) return;
+    const Mask in = from_lane_mask(kept);
+    const Floats weight = select(in, looked.weight, zeros());
+    const Floats emission = select(in, looked.emission, zeros());
+    for (std::uint32_t left = fill_slots(ends) & kFirstLanes; left != 0; left &= left - 1) {
+      const std::size_t lane = static_cast<std::size_t>(std::countr_zero(left));
+      const std::uint32_t lanes = ends & (kSlot << lane), member = open_[first + lane / S].member;
+      if (member < lit_) scale_light(member, lane, lanes, weight);
+      const auto put = [&](std::size_t column, Floats values) {
+        store_some(members_.at(member, column) - lane, values, lanes);
+      };
+      put(Table::kWeight, weight);
+      put(Table::kNode, looked.ids);
+      put(Table::kEmission, emission);
+      for (std::size_t m = 0; m < job_.materials.size(); ++m) put(members_.bound_of(m), looked.peaks[m]);
+    }
+  }
+
+  // Light that a member has already, for another cluster of the same representative. The member's first
+  // sample is at `lane`.
+  void scale_light(std::size_t member, std::size_t lane, std::uint32_t lanes, Floats weight) {
+    const Floats before = load(members_.at(member, Table::kWeight) - lane);
+    const Floats share = select(before > 0.0f, weight / before, zeros());
+    for (std::size_t column = members_.first_of_light(); column < members_.columns(); ++column) {
+      float* light = members_.at(member, column) - lane;
+      store_some(light, load(light) * share, lanes);
+    }
+  }
 
   // Of slots in which any lane does, all lanes.
   static std::uint32_t fill_slots(std::uint32_t lanes) {
@@ -280,224 +332,83 @@ class GroupCut {
     return lanes;
   }
 
-  // Slots whose bound is above the threshold at any sample and level, of those in `asked`. Most bounds are
-  // under all levels' thresholds even without a clamp.
+  // Lanes whose bound is above the threshold at any level, of those in `asked`. Most bounds are under all
+  // levels' thresholds even without a clamp.
   EQ_INLINE std::uint32_t find_breaks(std::size_t material, Floats emission, Floats bound,
                                       std::uint32_t asked) const {
     const std::uint32_t unclear = lane_mask(emission * bound > least_thresholds_[material]) & asked;
-    if (unclear == 0) return 0;
     std::uint32_t breaks = 0;
-    for (std::size_t level = job_.levels; level-- > 0 && (unclear & ~breaks) != 0;) {
+    for (std::size_t level = job_.levels; level-- > 0 && breaks != unclear;)
       breaks |= lane_mask(emission * min(broadcast(job_.clamps_per_m2[level]), bound) >
-                          thresholds_[index_of(material, level)]);
-      breaks = fill_slots(breaks & unclear);
-    }
+                          thresholds_[index_of(material, level)]) &
+                unclear;
     return breaks;
   }
 
   // For members of a leaf, and always for those of one look besides.
-  void make_room(std::size_t singles) {
-    members_.make_room(singles + kSlots);
-    unlit_.make_room(singles + kSlots);
-  }
+  void make_room(std::size_t singles) { members_.make_room(singles + kSlots); }
 
-  void split(const Open& open, const LightNode& node) {
+  void split(const Open& open) {
+    const LightNode& node = job_.tree.nodes[open.node];
     if (node.leaf_count == 0) {
-      const auto heir = [&](std::uint32_t child) {
-        return open.heir != kNone && job_.tree.nodes[child].representative == node.representative ? open.heir
-                                                                                                  : kNone;
-      };
-      open_.push({node.next, heir(node.next)});
-      open_.push({node.next + 1, heir(node.next + 1)});
+      open_.push({node.next, open.member, open.samples});
+      open_.push({node.next + 1, kNone, open.samples});
       return;
     }
     make_room(node.leaf_count);
     for (std::uint32_t vpl = node.next; vpl < node.next + node.leaf_count; ++vpl) {
-      const std::uint32_t heir = vpl == node.representative ? open.heir : kNone;
-      const std::uint32_t member =
-          add_member(Table::kSingle, vpl, heir, -1, heir == kNone ? 0 : weigh_vpl(job_.tree.vpls, vpl));
-      members_.darken(member, 0, members_.peak_of(0));
-      if (heir == kNone) unlit_.push(member);
+      std::size_t member = open.member;
+      if (member == kNone || vpl != node.representative) {
+        member = members_.size();
+        members_.add(vpl);
+        store(members_.at(member, Table::kWeight), zeros());
+        store(members_.at(member, Table::kEmission), zeros());
+      }
+      if (member < lit_) scale_light(member, 0, open.samples, broadcast(weigh_vpl(job_.tree.vpls, vpl)));
+      store_some(members_.at(member, Table::kWeight), broadcast(-1), open.samples);
+      store_some(members_.at(member, Table::kEmission), zeros(), open.samples);
     }
   }
 
-  // One that has a released member's representative has its light, by its share of the weight.
-  std::uint32_t add_member(std::uint32_t node, std::uint32_t vpl, std::uint32_t heir, float table_weight,
-                           float weight) {
-    const std::uint32_t member = members_.add(node, vpl, table_weight);
-    if (heir == kNone) return member;
-    const float whole = job_.tree.nodes[released_[heir]].weight;
-    const float share = whole > 0 ? weight / whole : 0;
-    const std::size_t first = members_.peak_of(0), columns = members_.columns() - first;
-    const float* light = &released_light_[heir * columns * S];
-    for (std::size_t column = first; column < members_.columns(); ++column) {
-      float* target = members_.at(member, column);
-      const float scale = column < members_.light_of(0, 0) ? 1 : share;
-      for (std::size_t i = 0; i < S; ++i) target[i] = *light++ * scale;
-    }
-    return member;
-  }
-
-  // Members that break the rule are released, and their nodes looked at again; true if there are any.
+  // Samples at which a member breaks the rule look at its node again; true if there are any.
   bool reopen() {
-    released_.clear();
-    released_light_.clear();
     for (std::size_t block = 0; block < members_.blocks(); ++block) {
       const Floats emission = members_.block(block, Table::kEmission);
       std::uint32_t breaks = 0;
       for (std::size_t m = 0; m < job_.materials.size(); ++m)
         breaks |= find_breaks(m, emission, members_.block(block, members_.bound_of(m)), 0xffffu);
-      for (std::size_t slot = 0; breaks >> (slot * S); ++slot) {
-        if ((breaks & lanes_of(slot)) != 0) release(static_cast<std::uint32_t>(block * kSlots + slot));
+      for (std::uint32_t left = fill_slots(breaks) & kFirstLanes; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        reopen(static_cast<std::uint32_t>(block * kSlots + lane / S), (breaks >> lane) & kSlot);
       }
     }
     return !open_.empty();
   }
 
-  void release(std::uint32_t member) {
-    open_.make_room(1);
-    open_.push({members_.node(member), static_cast<std::uint32_t>(released_.size())});
-    released_.push_back(members_.node(member));
-    for (std::size_t column = members_.peak_of(0); column < members_.columns(); ++column) {
-      const float* source = members_.at(member, column);
-      released_light_.insert(released_light_.end(), source, source + S);
+  // Samples may have it for different nodes.
+  void reopen(std::uint32_t member, std::uint32_t samples) {
+    open_.make_room(S);
+    while (samples != 0) {
+      const std::uint32_t node = members_.node(member, static_cast<std::size_t>(std::countr_zero(samples)));
+      std::uint32_t same = 0;
+      for (std::uint32_t left = samples; left != 0; left &= left - 1) {
+        const auto sample = static_cast<std::size_t>(std::countr_zero(left));
+        if (members_.node(member, sample) == node) same |= 1u << sample;
+      }
+      open_.push({node, member, same});
+      samples &= ~same;
     }
-    members_.release(member);
   }
 
   // VPLs with gloss are few, and their bounds long.
-  Floats bound_glossy_emission(const std::uint32_t* ids, std::size_t count) const {
+  Floats bound_glossy_emission(std::size_t first, std::size_t count) const {
     std::array<float, kLanes> emission{};
     for (std::size_t lane = 0; lane < count * S; ++lane) {
-      const Cluster cluster = unpack_cluster(job_.tree, job_.tree.nodes[ids[lane / S]]);
-      emission[lane] = bound_emission(bounds_[lane].p, cluster, &job_.tree.gloss[ids[lane / S]]);
+      const std::uint32_t node = open_[first + lane / S].node;
+      const Cluster cluster = unpack_cluster(job_.tree, job_.tree.nodes[node]);
+      emission[lane] = bound_emission(bounds_[lane].p, cluster, &job_.tree.gloss[node]);
     }
     return load(emission.data());
-  }
-
-  // The light of all members that wait for it. Rays of many packets are traced together.
-  void shade() {
-    constexpr std::size_t kTogether = RayQueue::kMostPackets * kSlots;
-    for (std::size_t first = 0; first < unlit_.size(); first += kTogether)
-      shade_together(first, std::min(unlit_.size(), first + kTogether));
-    unlit_.clear();
-  }
-
-  void shade_together(std::size_t first, std::size_t last) {
-    constexpr std::size_t kAhead = 2 * kLanes;
-    if (first == 0) {
-      for (std::size_t i = 0; i < std::min(kAhead, last); ++i) prefetch_vpl(unlit_[i]);
-    }
-    queue_.restart();
-    for (std::size_t i = first; i < last; i += kSlots) {
-      for (std::size_t ahead = i + kAhead; ahead < std::min(i + kAhead + kSlots, unlit_.size()); ++ahead)
-        prefetch_vpl(unlit_[ahead]);
-      face_members(&unlit_[i], std::min(kSlots, last - i), sights_[(i - first) / kSlots]);
-    }
-    queue_.finish();
-    for (std::size_t i = first; i < last; i += kSlots)
-      light_members(&unlit_[i], std::min(kSlots, last - i), sights_[(i - first) / kSlots]);
-  }
-
-  EQ_INLINE void prefetch_vpl(std::uint32_t member) const {
-    __builtin_prefetch(&job_.tree.vpls.vpls[members_.vpl(member)]);
-  }
-
-  void light_members(const std::uint32_t* members, std::size_t count, Sight& sight) {
-    const std::uint32_t visible = queue_.take(sight.faced);
-    if (visible == 0) {
-      for (std::size_t i = 0; i < count; ++i)
-        members_.darken(members[i], members_.peak_of(0), members_.columns());
-      return;
-    }
-    sight.seen = from_lane_mask(visible);
-    sight.light = select(sight.seen, sight.light, splat({}));
-    if (!job_.tree.vpls.gloss.empty()) add_gloss(members, count, sight);
-    std::array<Floats, kMostMaterials> lobes;
-    lobes[0] = zeros();
-    for (std::size_t i = 0; i < job_.lobes.size(); ++i) {
-      const Floats lobe =
-          eval_lobe(job_.lobes[i].model, job_.lobes[i].alpha, lanes_.v.z, sight.cos_l, sight.half);
-      lobes[i] = select(lanes_.v.z > 0.0f, lobe, zeros());
-    }
-    for (std::size_t m = 0; m < job_.materials.size(); ++m) {
-      const Reflected lanes = reflect(job_.materials[m], sight, lobes[job_.lobe_of[m]], job_.grey);
-      write_column(lanes.peak, members, count, members_.peak_of(m));
-      if (!job_.grey || m == 0) write_light_columns(lanes.light, members, count, m);
-    }
-  }
-
-  void write_light_columns(const Floats3& light, const std::uint32_t* members, std::size_t count,
-                           std::size_t m) {
-    write_column(light.x, members, count, members_.light_of(m, 0));
-    write_column(light.y, members, count, members_.light_of(m, 1));
-    write_column(light.z, members, count, members_.light_of(m, 2));
-  }
-
-  EQ_INLINE void write_column(Floats lanes, const std::uint32_t* members, std::size_t count,
-                              std::size_t column) {
-    const auto values = to_array(lanes);
-    for (std::size_t slot = 0; slot < count; ++slot)
-      std::memcpy(members_.at(members[slot], column), &values[slot * S], S * sizeof(float));
-  }
-
-  // All but whether there is something between.
-  void face_members(const std::uint32_t* members, std::size_t count, Sight& sight) {
-    const VplList& list = job_.tree.vpls;
-    std::array<const float*, kSlots> places, lights, weights;
-    for (std::size_t slot = 0; slot < kSlots; ++slot) {
-      const std::uint32_t member = members[std::min(slot, count - 1)];
-      const Vpl& vpl = list.vpls[members_.vpl(member)];
-      places[slot] = &vpl.p.x;
-      lights[slot] = &vpl.intensity.x;
-      weights[slot] = members_.weight(member);
-    }
-    const Columns4 place = load_columns<S>(places), light = load_columns<S>(lights);
-    const Floats3 intensity{light[0], light[1], light[2]};
-    // How many times its representative's light a member's is.
-    const Floats whole = load_columns<S>(weights)[0], y = luminance(intensity);
-    const Floats scale = select(whole < 0.0f, broadcast(1), select(y > 0.0f, whole / y, zeros()));
-    const Floats3 p{place[0], place[1], place[2]}, ng = decode_octahedral(bits_of(place[3]));
-    constexpr int kBias = 127 + Vpl::kLeastExponent;
-    const Floats epsilon =
-        bits_as_floats(shift_left<23>(shift_right<Vpl::kGlossBits>(bits_of(light[3])) + kBias));
-    const Floats3 d = p - lanes_.p;
-    sight.r2 = dot(d, d);
-    const Floats3 l = d * (1.0f / sqrt(sight.r2));
-    const Floats cos_vpl = -dot(ng, l);
-    sight.cos_l = dot(lanes_.shading.n, l);
-    const Mask faced = (sight.r2 > 0.0f) & (sight.cos_l > 0.0f) & (dot(ng_, l) > 0.0f) & (cos_vpl > 0.0f);
-    const std::uint32_t slots = count < kSlots ? (1u << (count * S)) - 1u : 0xffffu;
-    sight.faced = lane_mask(faced) & valid_ & slots;
-    queue_.push(origins_, p + ng * epsilon, sight.faced);
-    sight.l = l;
-    const Floats3 h = to_local(lanes_.shading, l) + lanes_.v;
-    sight.half = make_half_vector(h.x, h.y, h.z);
-    sight.light = intensity * (scale * cos_vpl);
-  }
-
-  void add_gloss(const std::uint32_t* members, std::size_t count, Sight& sight) const {
-    const VplList& list = job_.tree.vpls;
-    const auto x = to_array(sight.l.x), y = to_array(sight.l.y), z = to_array(sight.l.z);
-    auto r = to_array(sight.light.x), g = to_array(sight.light.y), b = to_array(sight.light.z);
-    for (std::size_t lane = 0; lane < count * S; ++lane) {
-      const std::uint32_t member = members[lane / S];
-      const Vpl& vpl = list.vpls[members_.vpl(member)];
-      if (vpl.gloss() < 0) continue;
-      const Vec3 emitted = emit_vpl(list, vpl, {-x[lane], -y[lane], -z[lane]}) * find_scale(member);
-      r[lane] = emitted.x;
-      g[lane] = emitted.y;
-      b[lane] = emitted.z;
-    }
-    sight.light = select(sight.seen, {load(r.data()), load(g.data()), load(b.data())}, splat({}));
-  }
-
-  // As the scale of face_members, also of a VPL with gloss.
-  float find_scale(std::uint32_t member) const {
-    const std::uint32_t node = members_.node(member);
-    if (node == Table::kSingle) return 1;
-    const float weight = weigh_vpl(job_.tree.vpls, members_.vpl(member));
-    return weight > 0 ? job_.tree.nodes[node].weight / weight : 0;
   }
 
   // Of each sample, in every slot. shape: material x level
@@ -564,16 +475,12 @@ class GroupCut {
   std::vector<Floats> least_thresholds_;   // over levels. shape: material
   std::vector<Floats> thresholds_, base_;  // of each sample, in every slot. shape: material x level
   std::vector<BoundPoint> bounds_;         // shape: kLanes
-  LanePoint lanes_{};
-  Floats3 ng_{}, origins_{};
-  std::uint32_t valid_ = 0;
+  GroupPoints points_;
   Pile<Open> open_;
-  std::vector<std::uint32_t> released_;  // nodes
-  std::vector<float> released_light_;    // shape: released x column from the peaks on x S
-  std::vector<Floats> luminances_;       // of blocks of members
-  Pile<std::uint32_t> unlit_;
-  std::array<Sight, RayQueue::kMostPackets> sights_;
-  RayQueue queue_;
+  Floats dark_ = zeros();           // clusters without light in each lane's cut
+  std::size_t lit_ = 0;             // members that have their light
+  std::vector<Floats> luminances_;  // of blocks of members
+  MemberLight<S> light_;
 };
 
 // The cuts of one thread, made as their widths are met.
@@ -581,26 +488,27 @@ class Cuts {
  public:
   explicit Cuts(const CutJob& job) : job_(job) {}
 
-  // The cut's size.
-  std::size_t shade(PointRange range, ShadedPoints& shaded) {
-    if (range.count == 1) return shade_by(one_, range, shaded);
-    if (range.count == 2) return shade_by(two_, range, shaded);
-    if (range.count <= 4) return shade_by(four_, range, shaded);
-    if (range.count <= 8) return shade_by(eight_, range, shaded);
-    return shade_by(sixteen_, range, shaded);
+  // `sizes`: of all points' cuts.
+  void shade(PointRange range, ShadedPoints& shaded, std::vector<std::uint32_t>& sizes) {
+    if (range.count == 1) return shade_by(one_, range, shaded, sizes);
+    if (range.count == 2) return shade_by(two_, range, shaded, sizes);
+    if (range.count <= 4) return shade_by(four_, range, shaded, sizes);
+    if (range.count <= 8) return shade_by(eight_, range, shaded, sizes);
+    return shade_by(sixteen_, range, shaded, sizes);
   }
 
   std::uint64_t rays() const { return rays_; }
 
  private:
   template <std::size_t S>
-  std::size_t shade_by(std::optional<GroupCut<S>>& cut, PointRange range, ShadedPoints& shaded) {
+  void shade_by(std::optional<GroupCut<S>>& cut, PointRange range, ShadedPoints& shaded,
+                std::vector<std::uint32_t>& sizes) {
     if (!cut) cut.emplace(job_);
     const std::uint64_t before = cut->rays();
     cut->find(range, totals_);
     cut->write_light(range, shaded);
     rays_ += cut->rays() - before;
-    return cut->size();
+    std::copy_n(cut->sizes().begin(), range.count, sizes.begin() + static_cast<std::ptrdiff_t>(range.first));
   }
 
   const CutJob& job_;
@@ -647,9 +555,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
       Cuts cuts(job);
       std::size_t done = 0;
       for (std::size_t i = first; i < last; ++i) {
-        const std::size_t size = cuts.shade(groups[i], shaded);
-        for (std::size_t k = 0; k < groups[i].count; ++k)
-          sizes[groups[i].first + k] = static_cast<std::uint32_t>(size);
+        cuts.shade(groups[i], shaded, sizes);
         done += groups[i].count;
       }
       rays += cuts.rays();

@@ -14,7 +14,7 @@ namespace {
 // anew.
 constexpr int kPathEstimator = 4;
 constexpr int kVplEstimator = 5;
-constexpr int kLightcutEstimator = 5;
+constexpr int kLightcutEstimator = 6;
 
 // Where the two cost the same in the café, for the eleven levels of one material.
 constexpr std::int64_t kMostPlainVpls = 20000;

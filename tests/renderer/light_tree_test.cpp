@@ -107,6 +107,8 @@ TEST_P(Trees, HoldEveryVplOnceWithinTheBoundsOfAllNodesAboveIt) {
     if (i == 1) continue;  // not used
     EXPECT_NEAR(tree.nodes[i].weight / weights[i], 1, 1e-5);
     EXPECT_LE(tree.nodes[i].leaf_count, GetParam());
+    if (tree.nodes[i].leaf_count > 0) continue;
+    EXPECT_EQ(tree.nodes[tree.nodes[i].next].representative, tree.nodes[i].representative);
   }
 }
 

@@ -200,9 +200,8 @@ TEST(Lightcuts, OfSamplesOfAPixelKeepTheRuleOfEachSample) {
     const ShadedPoints sum = cafe.sum(kAllClamps);
     for (std::size_t i = 0; i < cafe.points.size(); ++i)
       cafe.points[i].pixel = static_cast<std::uint32_t>(i / samples);
-    CutRecord record;
     const ShadedPoints all = cafe.cut(&shade_lightcut, kAllClamps, 0, 1),
-                       cut = cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1, &record, 4);
+                       cut = cafe.cut(&shade_lightcut, kAllClamps, 0.0075, 1, nullptr, 4);
     double squares = 0, worst = 0;
     for (std::size_t i = 0; i < sum.radiance.size(); ++i) {
       const double truth = luminance(sum.radiance[i]);
@@ -213,11 +212,59 @@ TEST(Lightcuts, OfSamplesOfAPixelKeepTheRuleOfEachSample) {
     }
     EXPECT_LT(std::sqrt(squares), 0.015) << samples;
     EXPECT_LT(worst, 0.1) << samples;
-    for (std::size_t i = 1; i < cafe.points.size(); ++i) {
-      const bool shares = i / samples == (i - 1) / samples && i % samples % 16 != 0;
-      ASSERT_TRUE(!shares || record.sizes[i] == record.sizes[i - 1]) << samples << " at " << i;
+  }
+}
+
+// As far apart as they may be, samples that walk together find the cuts that each finds alone, of as many
+// clusters and rays. Totals known beforehand, or the cut's own, which take several rounds.
+TEST(Lightcuts, OfSamplesOfAPixelAreThoseOfEachAlone) {
+  const Isa before = current_isa();
+  for (const Isa isa : {Isa::kV3, Isa::kV4}) {
+    if (!has_isa(isa)) continue;
+    fix_isa(isa);
+    for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
+      const Cafe cafe("G2", 130, 3000, emission, {"MR", "LG"});
+      const LightTree tree = make_light_tree(cafe.vpls, {1, 4});
+      const ShadedPoints sum = cafe.sum(kAllClamps);
+      for (const bool adaptive : {false, true}) {
+        for (const std::size_t samples : {2u, 3u, 4u, 7u, 16u}) {
+          std::vector<ShadingPoint> points(cafe.points.begin(), cafe.points.begin() + samples);
+          const auto cut = [&](std::size_t first, std::size_t count, CutRecord& record) {
+            ShadedPoints base{sum.levels, count, {}, 0};
+            for (std::size_t m = 0; m < cafe.materials.size(); ++m) {
+              for (std::size_t level = 0; level < sum.levels; ++level) {
+                for (std::size_t i = 0; i < count; ++i)
+                  base.radiance.push_back(sum.radiance[sum.index(m, level, first + i)]);
+              }
+            }
+            const std::vector<ShadingPoint> some(&points[first], &points[first] + count);
+            const LightcutParams params{0.01, 1e-5, adaptive ? nullptr : &base, adaptive};
+            return shade_lightcut(cafe.world, some, tree, cafe.materials, kAllClamps, params, &record);
+          };
+          for (ShadingPoint& point : points) point.pixel = 0;
+          CutRecord together;
+          const ShadedPoints light = cut(0, samples, together);
+          std::uint64_t rays = 0;
+          for (std::size_t i = 0; i < samples; ++i) {
+            CutRecord alone;
+            const ShadedPoints own = cut(i, 1, alone);
+            rays += alone.shadow_rays;
+            EXPECT_EQ(together.sizes[i], alone.sizes[0]) << samples << " at " << i;
+            EXPECT_GT(alone.sizes[0], 256u);
+            for (std::size_t m = 0; m < cafe.materials.size(); ++m) {
+              for (std::size_t level = 0; level < sum.levels; ++level) {
+                const double truth = luminance(own.radiance[own.index(m, level, 0)]);
+                EXPECT_NEAR(luminance(light.radiance[light.index(m, level, i)]), truth, 1e-5 * truth)
+                    << samples << " at " << i << " " << m << " C" << level;
+              }
+            }
+          }
+          EXPECT_EQ(together.shadow_rays, rays) << samples;
+        }
+      }
     }
   }
+  fix_isa(before);
 }
 
 // One rule for all materials: as good for each as a cut of its own, and shorter than all those together.
