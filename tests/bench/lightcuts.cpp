@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <numeric>
 
 #include "renderer/lightcut.h"
 #include "renderer/parallel.h"
@@ -78,6 +79,10 @@ struct Lights {
     build_seconds = seconds_of([&] { tree = make_light_tree(std::move(list), {1, 4}); });
   }
 
+  // Of the same VPLs.
+  Lights(const Lights& lights, int leaf_size)
+      : tree(make_light_tree(VplList(lights.tree.vpls), {1, leaf_size})) {}
+
   double million() const { return static_cast<double>(tree.vpls.size()) / 1e6; }
   double bytes_each() const {
     const double bytes =
@@ -112,12 +117,12 @@ class Collector : public benchmark::BenchmarkReporter {
   std::map<std::string, std::vector<double>> seconds_;
 };
 
-void add(const std::string& name, std::function<void()> body) {
+void add(const std::string& name, std::function<void()> body, int iterations = 1) {
   benchmark::RegisterBenchmark(name.c_str(),
                                [body](benchmark::State& state) {
                                  for (auto _ : state) body();
                                })
-      ->Iterations(1)
+      ->Iterations(iterations)
       ->Repetitions(3)
       ->UseRealTime()
       ->MeasureProcessCPUTime();
@@ -136,10 +141,12 @@ class Bench {
  public:
   int run() {
     for (const char* geometry : {"G0", "G2"}) add_geometry(geometry);
+    add_leaves();
     Collector collector;
     benchmark::RunSpecifiedBenchmarks(&collector);
     bool holds = true;
     for (const char* geometry : {"G0", "G2"}) holds &= print(geometry, collector);
+    print_leaves(collector);
     return holds ? 0 : 1;
   }
 
@@ -161,7 +168,7 @@ class Bench {
       for (int level = 0; level < kClampLevelCount; ++level)
         add_cut(fmt::format("{}/{}/5M/C{}", geometry, name, level), room, lights, points, {name},
                 {clamp_per_m2(level)});
-      add_cut(geometry + "/few/" + name, room, lights, few, {name}, all_clamps());
+      add_cut(geometry + "/few/" + name, room, lights, few, {name}, all_clamps(), kRunsOfFew);
       add_rays(geometry + "/rays/" + name, room, lights, few, name);
     }
     add_cut(geometry + "/five", room, lights, points, kFive, all_clamps());
@@ -175,6 +182,43 @@ class Bench {
     add(geometry + "/plain", [&room, &plain, some] {
       shade_all_vpls(room.world, some, plain.tree.vpls, {room.material("MS")}, all_clamps(), [](double) {});
     });
+  }
+
+  void add_leaves() {
+    const Room& room = *rooms_.at("G0");
+    const auto points = take_pixels(room.points.at(kSamples), kStride);
+    for (const char* count : kLeafCounts) {
+      for (int leaf_size : kLeafSizes) {
+        const Lights& lights = *(lights_[leaf_name(count, leaf_size)] = std::make_unique<Lights>(
+                                     *lights_.at(fmt::format("G0/{}", count)), leaf_size));
+        add_cut(leaf_name(count, leaf_size), room, lights, points, {"MS"}, all_clamps());
+      }
+    }
+  }
+
+  void print_leaves(const Collector& times) const {
+    const Room& room = *rooms_.at("G0");
+    const auto points = take_pixels(room.points.at(kSamples), kStride);
+    fmt::print(
+        "\nMost VPLs in a leaf; G0, MS, four samples a pixel\n\n| VPLs | leaf | clusters | time | bytes for "
+        "each VPL |\n|---|---|---|---|---|\n");
+    for (const char* count : kLeafCounts) {
+      for (int leaf_size : kLeafSizes) {
+        const std::string name = leaf_name(count, leaf_size);
+        const Lights& lights = *lights_.at(name);
+        CutRecord record;
+        shade_lightcut(room.world, points, lights.tree, {room.material("MS")}, all_clamps(), {kRatio, kFloor},
+                       &record);
+        const double clusters = std::accumulate(record.sizes.begin(), record.sizes.end(), 0.0);
+        fmt::print("| {} | {} | {:.0f} | {:.2f} | {:.1f} |\n", count, leaf_size,
+                   clusters / static_cast<double>(points.size()),
+                   times.median(name) / times.median(leaf_name(count, 4)), lights.bytes_each());
+      }
+    }
+  }
+
+  static std::string leaf_name(const std::string& count, int leaf_size) {
+    return fmt::format("leaves/{}/{}", count, leaf_size);
   }
 
   // The shadow rays of a cut, in its order, by each of Embree's queries.
@@ -195,18 +239,23 @@ class Bench {
       shade_lightcut(room.world, points, lights.tree, {room.material(material)}, all_clamps(), params);
     }
     for (OcclusionQuery query : kOcclusionQueries)
-      add(fmt::format("{}/{}", name, static_cast<int>(query)),
-          [&room, &rays, query] { benchmark::DoNotOptimize(room.world.count_visible(rays, query)); });
+      add(
+          fmt::format("{}/{}", name, static_cast<int>(query)),
+          [&room, &rays, query] { benchmark::DoNotOptimize(room.world.count_visible(rays, query)); },
+          kRunsOfFew);
   }
 
   static void add_cut(const std::string& name, const Room& room, const Lights& lights,
                       std::vector<ShadingPoint> points, const std::vector<std::string>& names,
-                      std::vector<double> clamps) {
+                      std::vector<double> clamps, int iterations = 1) {
     std::vector<Material> materials;
     for (const std::string& material : names) materials.push_back(room.material(material));
-    add(name, [&room, &lights, points = std::move(points), materials, clamps = std::move(clamps)] {
-      shade_lightcut(room.world, points, lights.tree, materials, clamps, {kRatio, kFloor});
-    });
+    add(
+        name,
+        [&room, &lights, points = std::move(points), materials, clamps = std::move(clamps)] {
+          shade_lightcut(room.world, points, lights.tree, materials, clamps, {kRatio, kFloor});
+        },
+        iterations);
   }
 
   bool print(const std::string& geometry, const Collector& times) const {
@@ -223,16 +272,16 @@ class Bench {
     }
     double separately = 0;
     for (const std::string& name : kFive) separately += seconds("five/" + name);
-    double over_rays = 0;
+    std::vector<Row> rows;
     for (const std::string& name : kMaterials) {
       double best = std::numeric_limits<double>::infinity();
       for (OcclusionQuery query : kOcclusionQueries)
         best = std::min(best, seconds(fmt::format("rays/{}/{}", name, static_cast<int>(query))));
-      over_rays = std::max(over_rays, seconds("few/" + name) / best);
+      rows.push_back({"shading / the same shadow rays by the best query, 5M, " + name,
+                      seconds("few/" + name) / best, 1.5, 1.15});
     }
     const double one = seconds("single/5M"), whole = one * kStride;
-    const std::vector<Row> rows{
-        {"shading / the same shadow rays by the best query, worst material, 5M", over_rays, 1.5, 1.15},
+    const std::vector<Row> others{
         {"eleven levels / the dearest single level, worst material, 5M", levels, 1.5, 1.2},
         {"time at 25M / time at 100k, MS, one sample a pixel", seconds("single/25M") / seconds("single/100k"),
          2, 1.5},
@@ -251,6 +300,7 @@ class Bench {
          false},
         {"560 x 420, MS, 5M, eleven levels, 1 sample, seconds", whole, 4, 2, false, false},
         {"the same with 4 samples, seconds", seconds("MS/5M") * kStride, 12, 5, false, false}};
+    rows.insert(rows.end(), others.begin(), others.end());
     fmt::print("\n{}, {} threads\n\n| figure | measured | must | reach for | |\n|---|---|---|---|---|\n",
                geometry, count_threads());
     bool holds = true;
@@ -278,7 +328,10 @@ class Bench {
     return (n * sxy - sx * sy) / (n * sxx - sx * sx);
   }
 
+  static constexpr std::array kLeafCounts{"100k", "1M", "5M"};
+  static constexpr std::array kLeafSizes{1, 2, 4, 8};
   static constexpr std::size_t kStride = 32;
+  static constexpr int kRunsOfFew = 4;  // one after another, as in a picture
   const std::vector<std::string> kFive{"MS", "MR", "BS", "BR", "GS"};
   std::map<std::string, std::unique_ptr<Room>> rooms_;
   std::map<std::string, std::unique_ptr<Lights>> lights_;
