@@ -16,8 +16,8 @@ constexpr int kPathEstimator = 4;
 constexpr int kVplEstimator = 5;
 constexpr int kLightcutEstimator = 6;
 
-// Where the exact sum costs half as much again as cuts in the café, for the eleven levels of one material; the
-// two cost the same at 1,000.
+// Where the exact sum costs half as much again as cuts in the café, for the eleven levels of one material;
+// the two cost the same at 1,000.
 constexpr std::int64_t kMostPlainVpls = 2000;
 
 bool matches(const std::string& key, const std::string& glob) {
