@@ -192,11 +192,11 @@ TEST(Report, says_whether_the_references_met_their_noise_target) {
   Report report = make_planted_report(planted);
   report.manifest = Manifest{};
   Json error;
-  error.set("object_mean", 2.5).set("object_p99", 7.25).set("outside_mean", 1.0);
+  error.set("object_mean", 2.5).set("object_p99", 9.25).set("outside_mean", 1.0);
   report.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/x.png", "", "", error};
   const std::string page = format_page(report);
   EXPECT_TRUE(has(page, "Noise of the references"));
-  EXPECT_TRUE(has(page, "<span class=\"missed\">MISSED</span></td><td class=\"number\">7.25"));
+  EXPECT_TRUE(has(page, "<span class=\"missed\">MISSED</span></td><td class=\"number\">9.25"));
   EXPECT_TRUE(has(page, "<span class=\"met\">MET</span></td><td class=\"number\">2.50"));
 }
 
