@@ -10,29 +10,6 @@
 namespace equilux {
 namespace {
 
-// Sums of one layer at one pixel, batch by batch.
-struct BatchSums {
-  std::array<std::array<double, 3>, kBatches> sums{};
-  void add(int batch, Vec3 value) {
-    auto& sum = sums[static_cast<std::size_t>(batch)];
-    sum[0] += value.x;
-    sum[1] += value.y;
-    sum[2] += value.z;
-  }
-};
-
-void store(const BatchSums& batches, int positions, TracedLayer& layer, std::size_t pixel) {
-  for (std::size_t c = 0; c < 3; ++c) {
-    double sum = 0, squares = 0;
-    for (const auto& batch : batches.sums) sum += batch[c];
-    const double mean = sum / kBatches;
-    for (const auto& batch : batches.sums) squares += (batch[c] - mean) * (batch[c] - mean);
-    layer.mean.pixel(pixel)[c] = static_cast<float>(mean / positions);
-    layer.standard_error.pixel(pixel)[c] =
-        static_cast<float>(std::sqrt(squares / (kBatches - 1) / kBatches) / positions);
-  }
-}
-
 // What one layer needs to be estimated.
 struct LayerJob {
   StreamKey key;
@@ -106,18 +83,6 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) 
   store(indirect, primary.positions, layers.indirect, pixel);
 }
 
-// A picture with a value that is not finite fails as a whole: none is ever set to zero.
-void check_finite(const TracedLayers& layers, const std::string& name) {
-  std::size_t bad = 0;
-  for (const TracedLayer* layer : {&layers.background, &layers.direct, &layers.indirect}) {
-    for (float value : layer->mean.values) bad += !std::isfinite(value);
-    for (float value : layer->standard_error.values) bad += !std::isfinite(value);
-  }
-  if (bad > 0) {
-    throw InputError(name, "", "finite radiance in every pixel", fmt::format("{} values that are not", bad));
-  }
-}
-
 // Paths of the direct and the indirect layer at an object's position, or of the background at the room's.
 double count_paths_of_pixels(const Primary& primary, const PathMaps& maps, std::size_t first,
                              std::size_t last) {
@@ -133,6 +98,17 @@ double count_paths_of_pixels(const Primary& primary, const PathMaps& maps, std::
 }
 
 }  // namespace
+
+void check_finite(const std::vector<const TracedLayer*>& layers, const std::string& name) {
+  std::size_t bad = 0;
+  for (const TracedLayer* layer : layers) {
+    for (float value : layer->mean.values) bad += !std::isfinite(value);
+    for (float value : layer->standard_error.values) bad += !std::isfinite(value);
+  }
+  if (bad > 0) {
+    throw InputError(name, "", "finite radiance in every pixel", fmt::format("{} values that are not", bad));
+  }
+}
 
 int round_paths(int paths, int positions) {
   const int unit = kBatches * positions;
@@ -175,7 +151,7 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
     for (std::size_t pixel = first; pixel < last; ++pixel) trace_pixel(job, pixel, layers);
     progress(count_paths_of_pixels(primary, maps, first, last));
   });
-  check_finite(layers, stream_name);
+  check_finite({&layers.background, &layers.direct, &layers.indirect}, stream_name);
   return layers;
 }
 

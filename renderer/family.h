@@ -8,14 +8,11 @@
 #include <vector>
 
 #include "protocols/study.h"
+#include "renderer/batches.h"
 #include "renderer/path_tracer.h"
 #include "renderer/primary.h"
-#include "stimuli/image.h"
 
 namespace equilux {
-
-/// Independent randomisations from which the standard error is taken.
-inline constexpr int kBatches = 16;
 
 /// Paths of one layer at each pixel, in each batch and at each subpixel position; none leave it black.
 /// shape: height x width
@@ -34,11 +31,6 @@ PathMaps make_fixed_maps(const Primary& primary, const PathCounts& paths);
 /// Paths that maps come to where the object and the room are seen. units: paths
 double count_paths(const Primary& primary, const PathMaps& maps);
 
-/// A layer, premultiplied by coverage, and its standard error from kBatches randomisations.
-struct TracedLayer {
-  HdrImage mean, standard_error;
-};
-
 struct TracedLayers {
   TracedLayer background, direct, indirect;
 };
@@ -56,6 +48,10 @@ struct FamilyScene {
 TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::uint64_t seed,
                           const std::string& stream_name, const PathMeasures& measures,
                           const std::function<void(double)>& progress);
+
+/// A picture with a value that is not finite fails as a whole: none is ever set to zero. errors: InputError
+/// naming what was made, with their number.
+void check_finite(const std::vector<const TracedLayer*>& layers, const std::string& name);
 
 /// Standard error of the sum of the layers.
 HdrImage combine_standard_errors(const TracedLayers& layers);

@@ -101,7 +101,8 @@ void add_clamp(ExrMetadata& metadata, const PictureParams& params, double clamp_
   if (params.vpl_count) metadata["equilux_clamp_per_m2"] = fmt::format("{}", clamp_per_m2);
 }
 
-// background.exr, and OBJECT.coverage.exr, OBJECT.direct.exr, OBJECT.indirect.exr for each object.
+// background.exr, and OBJECT.coverage.exr, OBJECT.direct.exr, OBJECT.indirect.exr for each object; where the
+// last holds compensation, also that by itself.
 void write_layers(const Picture& picture, const ImageOptions& options, const PictureParams& params) {
   const auto save = [&](const HdrImage& layer, const std::string& name, ExrMetadata metadata) {
     save_exr(layer, std::move(metadata), options.layers / (name + ".exr"));
@@ -115,6 +116,7 @@ void write_layers(const Picture& picture, const ImageOptions& options, const Pic
     add_clamp(clamped, params, object.clamp_per_m2);
     if (params.normalise) clamped["equilux_normalised"] = "to the unclamped layer's mean luminance";
     save(object.indirect, object.name + ".indirect", clamped);
+    if (object.compensation) save(*object.compensation, object.name + ".compensation", clamped);
   }
 }
 
@@ -138,7 +140,9 @@ void print_picture(const Picture& picture, const PictureParams& params) {
     fmt::print("VPLs: {}\n", picture.vpl_count);
     for (const ObjectLayers& object : picture.objects)
       fmt::print("{}: clamped at {} / m^2{}\n", object.name, object.clamp_per_m2,
-                 params.normalise ? ", normalised" : "");
+                 params.normalise    ? ", normalised"
+                 : params.compensate ? ", compensated"
+                                     : "");
     for (const ObjectLayers& object : picture.objects) print_measures(object);
   }
   fmt::print(
@@ -207,6 +211,10 @@ void add_image(CLI::App& app, CommandLine& line) {
           ->check(is_object_clamp()),
       image->add_flag("--normalise", options->params.normalise,
                       "Scale each object's clamped light to the mean luminance of its unclamped light"),
+      image
+          ->add_flag("--compensate", options->params.compensate,
+                     "Add by paths, --paths or --noise-target of them, what each object's clamp takes")
+          ->excludes("--normalise"),
       image->add_flag("--certified", options->params.certified,
                       "Refine lightcuts until 99 % of the points measured err by under 1 %"),
       image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")

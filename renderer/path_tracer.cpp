@@ -1,7 +1,10 @@
 // The path tracer.
 #include "renderer/path_tracer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "renderer/lights.h"
 
@@ -23,15 +26,44 @@ struct Shading {
       : material(materials[point.material]), frame(point.ns), v(frame.to_local(view)) {}
 };
 
-// f cl of light from direction l (unit, world), gated by both normals.
-Vec3 eval_scatter(const Shading& shading, const SurfacePoint& point, Vec3 l) {
-  if (!(dot(point.ng, l) > 0)) return {};
-  const Vec3 local = shading.frame.to_local(l);
-  return eval_brdf(shading.material, shading.v, local) * std::max(0.0f, local.z);
+// What the diffuse and the glossy part of a surface reflect.
+struct Parts {
+  Vec3 diffuse, glossy;
+  bool operator==(const Parts&) const = default;
+};
+Parts operator*(const Parts& a, Vec3 b) { return {a.diffuse * b, a.glossy * b}; }
+Parts operator*(const Parts& a, float b) { return {a.diffuse * b, a.glossy * b}; }
+Parts operator/(const Parts& a, float b) { return {a.diffuse / b, a.glossy / b}; }
+Parts& operator+=(Parts& a, const Parts& b) {
+  a.diffuse += b.diffuse;
+  a.glossy += b.glossy;
+  return a;
 }
 
-Vec3 estimate_spot(const World& world, const Shading& shading, const SurfacePoint& point,
-                   const SpotLight& spot) {
+// f cl of light from direction l (local), as a whole (Vec3) or in Parts.
+template <typename Light>
+Light eval_cosine_brdf(const Shading& shading, Vec3 l) {
+  const float cosine = std::max(0.0f, l.z);
+  if constexpr (std::is_same_v<Light, Vec3>) {
+    return eval_brdf(shading.material, shading.v, l) * cosine;
+  } else {
+    Parts parts{shading.material.rho_d * (kInvPi * cosine), {}};
+    if (shading.material.glossy_share > 0)
+      parts.glossy = shading.material.rho_s * (eval_glossy(shading.material, shading.v, l) * cosine);
+    return parts;
+  }
+}
+
+// The same of a direction in the world, gated by both normals.
+template <typename Light>
+Light eval_scatter(const Shading& shading, const SurfacePoint& point, Vec3 l) {
+  if (!(dot(point.ng, l) > 0)) return {};
+  return eval_cosine_brdf<Light>(shading, shading.frame.to_local(l));
+}
+
+template <typename Light>
+Light estimate_spot(const World& world, const Shading& shading, const SurfacePoint& point,
+                    const SpotLight& spot) {
   const Vec3 d = spot.position - point.p;
   const float r2 = dot(d, d);
   const float along = -dot(spot.direction, d);
@@ -39,8 +71,8 @@ Vec3 estimate_spot(const World& world, const Shading& shading, const SurfacePoin
   const Vec3 l = d / std::sqrt(r2);
   const Vec3 intensity = eval_spot(spot, -l);
   if (intensity == Vec3{}) return {};
-  const Vec3 scatter = eval_scatter(shading, point, l);
-  if (scatter == Vec3{} || world.is_occluded(point.origin(), spot.position)) return {};
+  const auto scatter = eval_scatter<Light>(shading, point, l);
+  if (scatter == Light{} || world.is_occluded(point.origin(), spot.position)) return {};
   return scatter * intensity / r2;
 }
 
@@ -50,40 +82,43 @@ float weigh_light_sample(const Shading& shading, Vec3 l, float pdf, const PathMe
   return power_heuristic(pdf, pdf_brdf(shading.material, shading.v, shading.frame.to_local(l)));
 }
 
-Vec3 estimate_rectangle(const World& world, const Shading& shading, const SurfacePoint& point,
-                        const RectangleLight& light, float u1, float u2, const PathMeasures& measures) {
+template <typename Light>
+Light estimate_rectangle(const World& world, const Shading& shading, const SurfacePoint& point,
+                         const RectangleLight& light, float u1, float u2, const PathMeasures& measures) {
   const Vec3 p = light.corner + light.u * u1 + light.v * u2;
   const float pdf = pdf_rectangle(light, point.p, p);
   if (!(pdf > 0)) return {};
   const Vec3 l = normalize(p - point.p);
-  const Vec3 scatter = eval_scatter(shading, point, l);
+  const auto scatter = eval_scatter<Light>(shading, point, l);
   // The end is drawn back from the light's own surface, as the start is put forward from its.
   const Vec3 end = p + rectangle_normal(light) * rectangle_epsilon(light);
-  if (scatter == Vec3{} || world.is_occluded(point.origin(), end)) return {};
+  if (scatter == Light{} || world.is_occluded(point.origin(), end)) return {};
   return scatter * light.radiance_w_per_m2_sr * (weigh_light_sample(shading, l, pdf, measures) / pdf);
 }
 
-Vec3 estimate_environment(const World& world, const Shading& shading, const SurfacePoint& point, float u1,
-                          float u2, const PathMeasures& measures) {
+template <typename Light>
+Light estimate_environment(const World& world, const Shading& shading, const SurfacePoint& point, float u1,
+                           float u2, const PathMeasures& measures) {
   const Vec3 local = sample_cosine(u1, u2);
   const Vec3 l = shading.frame.to_world(local);
   const float pdf = pdf_environment(local.z);
-  const Vec3 scatter = eval_scatter(shading, point, l);
-  if (!(pdf > 0) || scatter == Vec3{} || !world.is_open(point.origin(), l)) return {};
+  const auto scatter = eval_scatter<Light>(shading, point, l);
+  if (!(pdf > 0) || scatter == Light{} || !world.is_open(point.origin(), l)) return {};
   return scatter * world.environment() * (weigh_light_sample(shading, l, pdf, measures) / pdf);
 }
 
-Vec3 estimate_lights(const World& world, const Shading& shading, const SurfacePoint& point,
-                     PathSampler& sampler, const PathMeasures& measures) {
-  Vec3 sum;
-  for (const SpotLight& spot : world.spots()) sum += estimate_spot(world, shading, point, spot);
+template <typename Light>
+Light estimate_lights(const World& world, const Shading& shading, const SurfacePoint& point,
+                      PathSampler& sampler, const PathMeasures& measures) {
+  Light sum;
+  for (const SpotLight& spot : world.spots()) sum += estimate_spot<Light>(world, shading, point, spot);
   for (const RectangleLight& light : world.rectangles()) {
     const float u1 = sampler.next(), u2 = sampler.next();
-    sum += estimate_rectangle(world, shading, point, light, u1, u2, measures);
+    sum += estimate_rectangle<Light>(world, shading, point, light, u1, u2, measures);
   }
   if (world.environment() != Vec3{}) {
     const float u1 = sampler.next(), u2 = sampler.next();
-    sum += estimate_environment(world, shading, point, u1, u2, measures);
+    sum += estimate_environment<Light>(world, shading, point, u1, u2, measures);
   }
   return sum;
 }
@@ -124,12 +159,30 @@ float survival_of(int depth, Vec3 weight, const PathMeasures& measures) {
   return measures.roulette ? std::min(kLargestSurvival, max_component(weight)) : kLargestSurvival;
 }
 
+// All light that a surface reflects, part by part.
+Parts estimate_parts(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
+                     PathSampler& sampler, const PathMeasures& measures) {
+  const Shading shading(materials, point, v);
+  auto sum = estimate_lights<Parts>(world, shading, point, sampler, measures);
+  const auto step = sample_step(shading, point, sampler);
+  if (!step) return sum;
+  const float survival = survival_of(1, step->weight, measures);
+  if (!(survival > 0) || sampler.next() >= survival) return sum;
+  const Parts weight =
+      eval_cosine_brdf<Parts>(shading, shading.frame.to_local(step->direction)) / (step->pdf * survival);
+  const auto hit = world.intersect(point.origin(), step->direction);
+  sum += weight * (is_light(hit) ? weigh_emitter(world, shading, point, *step, hit, measures)
+                                 : estimate_reflected(world, materials, *hit, -step->direction, true, sampler,
+                                                      measures));
+  return sum;
+}
+
 }  // namespace
 
 Vec3 estimate_direct(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
                      PathSampler& sampler, const PathMeasures& measures) {
   const Shading shading(materials, point, v);
-  Vec3 sum = estimate_lights(world, shading, point, sampler, measures);
+  Vec3 sum = estimate_lights<Vec3>(world, shading, point, sampler, measures);
   if (!has_extended_lights(world)) return sum;
   const auto step = sample_step(shading, point, sampler);
   if (!step) return sum;
@@ -146,7 +199,7 @@ Vec3 estimate_reflected(const World& world, const Materials& materials, const Su
   for (int depth = 0;; ++depth) {
     const bool counts = with_direct || depth > 0;
     const Shading shading(materials, point, v);
-    if (counts) sum += throughput * estimate_lights(world, shading, point, sampler, measures);
+    if (counts) sum += throughput * estimate_lights<Vec3>(world, shading, point, sampler, measures);
     const auto step = sample_step(shading, point, sampler);
     if (!step) return sum;
     throughput *= step->weight;
@@ -160,6 +213,37 @@ Vec3 estimate_reflected(const World& world, const Materials& materials, const Su
     v = -step->direction;
     point = *hit;
   }
+}
+
+bool has_gloss(const Materials& materials) {
+  return std::any_of(materials.begin(), materials.end(),
+                     [](const Material& material) { return material.glossy_share > 0; });
+}
+
+Vec3 ReturnedLight::at(double clamp_per_m2) const {
+  const double share = 1 - clamp_per_m2 / double{peak_per_m2};
+  return share > 0 ? clamped * static_cast<float>(share) + missing : missing;
+}
+
+ReturnedLight estimate_returned(const World& world, const Materials& materials, const SurfacePoint& point,
+                                Vec3 v, const ReturnParams& params, PathSampler& sampler,
+                                const PathMeasures& measures) {
+  const Shading shading(materials, point, v);
+  const auto step = sample_step(shading, point, sampler);
+  if (!step) return {};
+  const float most = max_component(eval_scatter<Vec3>(shading, point, step->direction));
+  const auto reach = static_cast<float>(std::sqrt(double{most} / params.least_clamp_per_m2));
+  const auto hit = world.intersect(point.origin(), step->direction,
+                                   params.with_missing ? std::numeric_limits<float>::infinity() : reach);
+  if (is_light(hit)) return {};
+  const Vec3 d = hit->p - point.p;
+  const float peak = most / dot(d, d);
+  if (!(peak > params.least_clamp_per_m2) &&
+      !(params.with_missing && materials[hit->material].glossy_share > 0))
+    return {};
+  const Parts parts = estimate_parts(world, materials, *hit, -step->direction, sampler, measures);
+  if (params.with_missing) return {step->weight * parts.diffuse, step->weight * parts.glossy, peak};
+  return {step->weight * (parts.diffuse + parts.glossy), {}, peak};
 }
 
 }  // namespace equilux

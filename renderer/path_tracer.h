@@ -21,4 +21,28 @@ Vec3 estimate_direct(const World& world, const Materials& materials, const Surfa
 Vec3 estimate_reflected(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
                         bool with_direct, PathSampler& sampler, const PathMeasures& measures = {});
 
+/// What VPLs lack of the light that a path brings to a point.
+struct ReturnedLight {
+  Vec3 clamped;           ///< what they carry, of which a clamp c takes the share 1 - c / peak
+  Vec3 missing;           ///< what they do not carry: with Lambertian emission what gloss sends on
+  float peak_per_m2 = 0;  ///< M / r^2 of the path's first step
+
+  Vec3 at(double clamp_per_m2) const;
+};
+
+struct ReturnParams {
+  double least_clamp_per_m2 = 0;  ///< of those that it is asked for; infinite for none
+  bool with_missing = true;       ///< VPLs emit by the diffuse part, and some surface is glossy
+};
+
+bool has_gloss(const Materials& materials);
+
+/// Light that a clamp takes from VPLs at `point`, and what their emission lacks: its expectation at c is the
+/// indirect light less the VPL sum clamped at c, for all c at once. Its first ray ends where nothing is
+/// clamped, unless something is missing. source: Kollig and Keller, "Illumination in the presence of weak
+/// singularities", MCQMC 2004, for the clamp of shade_all_vpls.
+ReturnedLight estimate_returned(const World& world, const Materials& materials, const SurfacePoint& point,
+                                Vec3 v, const ReturnParams& params, PathSampler& sampler,
+                                const PathMeasures& measures = {});
+
 }  // namespace equilux

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "renderer/compensation.h"
 #include "renderer/cut_error.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
@@ -127,9 +128,12 @@ void shade_objects(const PictureScene& scene, const PictureParams& params, Pictu
   double points = 0;
   for (const PrimaryHit& hit : scene.primary.hits) points += hit.kind == PrimaryKind::kObject;
   Progress progress("shading", points * static_cast<double>(picture.vpl_count));
-  for (std::size_t i = 0; i < picture.objects.size(); ++i)
-    picture.objects[i].indirect = shade_object(scene, params, static_cast<std::int32_t>(i), lights, progress,
-                                               picture.objects[i].measures);
+  for (std::size_t i = 0; i < picture.objects.size(); ++i) {
+    ObjectLayers& object = picture.objects[i];
+    object.indirect =
+        shade_object(scene, params, static_cast<std::int32_t>(i), lights, progress, object.measures);
+    if (object.compensation) object.indirect = composite({&object.indirect, &*object.compensation});
+  }
 }
 
 ReferenceParams make_params(const PictureParams& params, const std::string& stream_name) {
@@ -156,8 +160,12 @@ HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& param
   const FamilyProgress report{[&](double paths) { progress.advance(paths); },
                               [&](double paths) { progress.expect_more(paths); }};
   PathMaps maps = allot_family({scene.world, scene.materials, scene.primary}, reference, report);
-  if (params.vpl_count) maps.indirect.assign(maps.indirect.size(), 0);  // VPLs light the objects instead
+  PathMap compensation;
+  if (params.compensate) compensation = maps.indirect;
+  const PathMap none(maps.indirect.size(), 0);
+  if (params.vpl_count && !params.compensate) maps.indirect = none;
   picture.paths = count_paths(scene.primary, maps);
+  if (params.vpl_count) maps.indirect = none;  // VPLs light the objects instead
   const auto trace = [&](const Primary& part) {
     return trace_layers({scene.world, scene.materials, part}, maps, reference.seed, reference.stream_name,
                         reference.measures, report.advance);
@@ -175,7 +183,18 @@ HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& param
                                make_coverage(part),
                                std::move(traced.direct.mean),
                                std::move(traced.indirect.mean),
+                               {},
                                {}});
+    if (compensation.empty()) continue;
+    std::vector<TracedLayer> returned = trace_compensation({scene.world, scene.materials, part}, compensation,
+                                                           {{clamp_of(params, name)},
+                                                            params.emission,
+                                                            reference.seed,
+                                                            reference.stream_name,
+                                                            reference.measures},
+                                                           report.advance);
+    add_in_quadrature(standard_error, returned[0].standard_error);
+    picture.objects.back().compensation = std::move(returned[0].mean);
   }
   return standard_error;
 }

@@ -33,8 +33,9 @@ struct PictureParams {
   std::optional<std::int64_t> vpl_count;           ///< empty: path traced
   double clamp_per_m2 = 0;                         ///< with VPLs; infinite for none
   std::map<std::string, double> clamps_by_object;  ///< in place of it for the objects named
-  bool certified = false;  ///< cuts are refined until 99 % of the points measured err by under 1 %
-  bool normalise = false;  ///< each object's clamped layer to the mean luminance of its unclamped one
+  bool certified = false;   ///< cuts are refined until 99 % of the points measured err by under 1 %
+  bool normalise = false;   ///< each object's clamped layer to the mean luminance of its unclamped one
+  bool compensate = false;  ///< adds, by as many paths as indirect light has, what each object's clamp takes
   std::uint64_t seed = 1;
 };
 
@@ -43,7 +44,8 @@ struct ObjectLayers {
   std::string name;
   double clamp_per_m2 = 0;  ///< with VPLs
   HdrImage coverage, direct, indirect;
-  std::optional<CutMeasures> measures;  ///< of its VPLs' light, where that is by cuts; level 0 is the clamp
+  std::optional<HdrImage> compensation;  ///< of its VPLs' light; `indirect` holds it
+  std::optional<CutMeasures> measures;   ///< of its VPLs' light, where that is by cuts; level 0 is the clamp
 };
 
 struct Picture {

@@ -236,7 +236,7 @@ std::size_t World::triangle_count() const {
   return count;
 }
 
-std::optional<SurfacePoint> World::intersect(Vec3 origin, Vec3 direction) const {
+std::optional<SurfacePoint> World::intersect(Vec3 origin, Vec3 direction, float length) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit ray{};
@@ -246,7 +246,7 @@ std::optional<SurfacePoint> World::intersect(Vec3 origin, Vec3 direction) const 
   ray.ray.dir_x = direction.x;
   ray.ray.dir_y = direction.y;
   ray.ray.dir_z = direction.z;
-  ray.ray.tfar = std::numeric_limits<float>::infinity();
+  ray.ray.tfar = length;
   ray.ray.mask = ~0u;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(impl_->scene, &context, &ray);

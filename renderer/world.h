@@ -71,7 +71,9 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  std::optional<SurfacePoint> intersect(Vec3 origin, Vec3 direction) const;
+  /// What a ray (unit direction) meets first within `length`. units: m
+  std::optional<SurfacePoint> intersect(Vec3 origin, Vec3 direction,
+                                        float length = std::numeric_limits<float>::infinity()) const;
 
   /// True if something stands on the open segment between two points that are off their surfaces already.
   bool is_occluded(Vec3 from, Vec3 to) const;

@@ -1,0 +1,23 @@
+// What a clamp takes from the objects' VPL light, given back by paths.
+#pragma once
+
+#include "renderer/family.h"
+
+namespace equilux {
+
+struct CompensationParams {
+  std::vector<double> clamps_per_m2;          ///< infinite for none
+  Emission emission = Emission::kLambertian;  ///< of the VPLs
+  std::uint64_t seed = 1;
+  std::string stream_name;
+  PathMeasures measures;
+};
+
+/// Of the objects' light, a layer for each clamp, all from the same paths: added to the VPL layer of that
+/// clamp and emission, its expectation is the path-traced indirect layer. `map`: paths in each batch and at
+/// each position. `progress` is told the paths done, from any thread. errors: as trace_layers
+std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const PathMap& map,
+                                            const CompensationParams& params,
+                                            const std::function<void(double)>& progress);
+
+}  // namespace equilux
