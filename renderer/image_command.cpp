@@ -137,7 +137,8 @@ void print_measures(const ObjectLayers& object) {
 
 void print_picture(const Picture& picture, const PictureParams& params) {
   if (params.vpl_count) {
-    fmt::print("VPLs: {}\n", picture.vpl_count);
+    fmt::print("VPLs: {}{}\n", picture.vpl_count,
+               params.sets ? fmt::format(", mean of {} sets", *params.sets) : "");
     for (const ObjectLayers& object : picture.objects)
       fmt::print("{}: clamped at {} / m^2{}\n", object.name, object.clamp_per_m2,
                  params.normalise    ? ", normalised"
@@ -146,9 +147,10 @@ void print_picture(const Picture& picture, const PictureParams& params) {
     for (const ObjectLayers& object : picture.objects) print_measures(object);
   }
   fmt::print(
-      "standard error of the path-traced parts, steps of 255: object mean {:.2f}, p99 {:.2f}; outside mean "
+      "standard error of the path-traced parts{}, steps of 255: object mean {:.2f}, p99 {:.2f}; outside mean "
       "{:.2f}\n",
-      picture.noise.object_mean, picture.noise.object_p99, picture.noise.outside_mean);
+      params.sets ? " and the VPL sets" : "", picture.noise.object_mean, picture.noise.object_p99,
+      picture.noise.outside_mean);
   fmt::print("paths a pixel: {:.0f}\n",
              picture.paths / (static_cast<double>(params.width) * static_cast<double>(params.height)));
 }
@@ -212,11 +214,19 @@ void add_image(CLI::App& app, CommandLine& line) {
       image->add_flag("--normalise", options->params.normalise,
                       "Scale each object's clamped light to the mean luminance of its unclamped light"),
       image
+          ->add_option(
+              "--sets", options->params.sets,
+              "Mean of so many independent VPL sets, whose spread is an error: unbiased for its clamp")
+          ->check(CLI::Range(2, 10000))
+          ->excludes("--normalise"),
+      image
           ->add_flag("--compensate", options->params.compensate,
                      "Add by paths, --paths or --noise-target of them, what each object's clamp takes")
           ->excludes("--normalise"),
-      image->add_flag("--certified", options->params.certified,
-                      "Refine lightcuts until 99 % of the points measured err by under 1 %"),
+      image
+          ->add_flag("--certified", options->params.certified,
+                     "Refine lightcuts until 99 % of the points measured err by under 1 %")
+          ->excludes("--sets"),
       image->add_option("--emission", options->emission, "Of VPLs: lambertian, the diffuse part, or full")
           ->check(CLI::IsMember({"lambertian", "full"}))};
   CLI::Option* camera =

@@ -10,6 +10,7 @@
 #include "renderer/cut_error.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
+#include "renderer/vpl_sets.h"
 #include "renderer/wanted.h"
 
 namespace equilux {
@@ -132,7 +133,32 @@ void shade_objects(const PictureScene& scene, const PictureParams& params, Pictu
     ObjectLayers& object = picture.objects[i];
     object.indirect =
         shade_object(scene, params, static_cast<std::int32_t>(i), lights, progress, object.measures);
-    if (object.compensation) object.indirect = composite({&object.indirect, &*object.compensation});
+  }
+}
+
+void add_in_quadrature(HdrImage& sum, const HdrImage& more) {
+  for (std::size_t i = 0; i < sum.values.size(); ++i)
+    sum.values[i] = std::hypot(sum.values[i], more.values[i]);
+}
+
+// As shade_objects, by several sets, whose spread joins the standard error.
+void shade_sets(const PictureScene& scene, const PictureParams& params, Picture& picture,
+                HdrImage& standard_error) {
+  VplSetsParams sets;
+  sets.sets = *params.sets;
+  sets.paths = find_path_count(scene.world, *params.vpl_count, params.seed);
+  for (const ObjectLayers& object : picture.objects) sets.clamps_per_m2.push_back(object.clamp_per_m2);
+  sets.floor = find_floor(picture, scene.primary);
+  sets.emission = params.emission;
+  sets.seed = params.seed;
+  sets.stream_name = scene.stream_name + ".vpls";
+  Progress progress("VPL sets", sets.sets + 1.0);
+  VplSets traced =
+      trace_vpl_sets({scene.world, scene.materials, scene.primary}, sets, [&] { progress.advance(1); });
+  picture.vpl_count = std::llround(traced.mean_vpls);
+  for (std::size_t i = 0; i < picture.objects.size(); ++i) {
+    picture.objects[i].indirect = std::move(traced.layers[i].mean);
+    add_in_quadrature(standard_error, traced.layers[i].standard_error);
   }
 }
 
@@ -146,11 +172,6 @@ ReferenceParams make_params(const PictureParams& params, const std::string& stre
   reference.seed = params.seed;
   reference.stream_name = stream_name;
   return reference;
-}
-
-void add_in_quadrature(HdrImage& sum, const HdrImage& more) {
-  for (std::size_t i = 0; i < sum.values.size(); ++i)
-    sum.values[i] = std::hypot(sum.values[i], more.values[i]);
 }
 
 // The room, then each object by itself; gives the standard error of their sum.
@@ -212,8 +233,15 @@ Picture make_picture(const PictureParams& params) {
   const PictureScene scene = make_picture_scene(params);
   check_clamps(params, scene.world);
   Picture picture;
-  const HdrImage standard_error = trace_path_layers(scene, params, picture);
-  if (params.vpl_count) shade_objects(scene, params, picture);
+  HdrImage standard_error = trace_path_layers(scene, params, picture);
+  if (params.sets) {
+    shade_sets(scene, params, picture, standard_error);
+  } else if (params.vpl_count) {
+    shade_objects(scene, params, picture);
+  }
+  for (ObjectLayers& object : picture.objects) {
+    if (object.compensation) object.indirect = composite({&object.indirect, &*object.compensation});
+  }
   picture.image = add_layers(picture);
   const HdrImage coverage = make_coverage(scene.primary);
   const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);

@@ -1,0 +1,33 @@
+// Light of the objects as the mean of independent VPL sets: unbiased, with an error of its own.
+#pragma once
+
+#include "renderer/family.h"
+
+namespace equilux {
+
+struct VplSetsParams {
+  int sets = 4;                       ///< at least 2
+  std::int64_t paths = 1;             ///< particles of a set, see find_path_count
+  std::vector<double> clamps_per_m2;  ///< of each object
+  double error_ratio = 0.0025;        ///< of cuts
+  double floor = 0;                   ///< of their totals. units: W/(m^2 sr), luminance
+  Emission emission = Emission::kLambertian;
+  std::uint64_t seed = 1;
+  std::string stream_name;
+};
+
+struct VplSets {
+  std::vector<TracedLayer> layers;  ///< of each object; the standard error is from the sets' spread
+  double mean_vpls = 0;             ///< of a set
+  double mean_clusters = 0;         ///< of a point's cut
+  std::uint64_t shadow_rays = 0;    ///< with the pilot's
+};
+
+/// The rule of the sets' cuts takes its totals from a pilot, one set more that is then thrown away: no cut
+/// depends on its own representatives, so the expectation is exactly the VPL sum's, clamped. With
+/// trace_compensation the sum is the path-traced layer. `progress` is told each set done. errors: InputError
+/// for lack of memory or radiance that leaves the range of float
+VplSets trace_vpl_sets(const FamilyScene& scene, const VplSetsParams& params,
+                       const std::function<void()>& progress);
+
+}  // namespace equilux
