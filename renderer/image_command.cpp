@@ -138,7 +138,7 @@ void print_measures(const ObjectLayers& object) {
 void print_picture(const Picture& picture, const PictureParams& params) {
   if (params.vpl_count) {
     fmt::print("VPLs: {}{}\n", picture.vpl_count,
-               params.sets ? fmt::format(", mean of {} sets", *params.sets) : "");
+               params.sets ? fmt::format(", mean of {} sets", picture.sets) : "");
     for (const ObjectLayers& object : picture.objects)
       fmt::print("{}: clamped at {} / m^2{}\n", object.name, object.clamp_per_m2,
                  params.normalise    ? ", normalised"
@@ -214,10 +214,10 @@ void add_image(CLI::App& app, CommandLine& line) {
       image->add_flag("--normalise", options->params.normalise,
                       "Scale each object's clamped light to the mean luminance of its unclamped light"),
       image
-          ->add_option(
-              "--sets", options->params.sets,
-              "Mean of so many independent VPL sets, whose spread is an error: unbiased for its clamp")
-          ->check(CLI::Range(2, 10000))
+          ->add_option("--sets", options->params.sets,
+                       "Mean of so many independent VPL sets, two a subpixel position or more, whose spread "
+                       "is its error")
+          ->check(CLI::Range(1, 10000))
           ->excludes("--normalise"),
       image
           ->add_flag("--compensate", options->params.compensate,

@@ -152,10 +152,11 @@ void shade_sets(const PictureScene& scene, const PictureParams& params, Picture&
   sets.emission = params.emission;
   sets.seed = params.seed;
   sets.stream_name = scene.stream_name + ".vpls";
-  Progress progress("VPL sets", sets.sets + 1.0);
+  Progress progress("VPL sets", 1.0 + count_vpl_sets(sets.sets, scene.primary.positions));
   VplSets traced =
       trace_vpl_sets({scene.world, scene.materials, scene.primary}, sets, [&] { progress.advance(1); });
   picture.vpl_count = std::llround(traced.mean_vpls);
+  picture.sets = traced.sets;
   for (std::size_t i = 0; i < picture.objects.size(); ++i) {
     picture.objects[i].indirect = std::move(traced.layers[i].mean);
     add_in_quadrature(standard_error, traced.layers[i].standard_error);

@@ -35,8 +35,9 @@ struct PictureParams {
   std::map<std::string, double> clamps_by_object;  ///< in place of it for the objects named
   bool certified = false;  ///< cuts are refined until 99 % of the points measured err by under 1 %
   bool normalise = false;  ///< each object's clamped layer to the mean luminance of its unclamped one
-  /// With VPLs: the mean of so many independent sets, at least 2, by cuts whose thresholds are fixed
-  /// beforehand: unbiased, with an error of its own. Empty: one set, whose cuts are measured.
+  /// With VPLs: the mean of so many independent sets or more, see count_vpl_sets, by cuts
+  /// whose thresholds are fixed beforehand: unbiased, with an error of its own. Empty: one set, whose cuts
+  /// are measured.
   std::optional<int> sets;
   bool compensate = false;  ///< adds, by as many paths as indirect light has, what each object's clamp takes
   std::uint64_t seed = 1;
@@ -57,6 +58,7 @@ struct Picture {
   std::vector<ObjectLayers> objects;
   LdrImage display;            ///< through the tone curve of its own background
   std::int64_t vpl_count = 0;  ///< true number, of several sets the mean
+  int sets = 0;                ///< of VPLs, where there are several
   DisplayNoise noise;          ///< of its path-traced parts, and of VPL sets where there are several
   LdrImage noise_display;  ///< the same at each pixel, 51 grey levels a step: white is five steps and more
   double paths = 0;        ///< traced for those, in all

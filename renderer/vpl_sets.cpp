@@ -1,6 +1,7 @@
 // Pilot, sets, mean.
 #include "renderer/vpl_sets.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -12,12 +13,6 @@ namespace {
 
 // Of the pilot: its totals are only thresholds.
 constexpr double kPilotRatio = 0.0075;
-
-// What the camera sees of one object, and the totals of its rule.
-struct ObjectPoints {
-  std::vector<ShadingPoint> points;
-  ShadedPoints pilot;
-};
 
 // Sums over sets, and of squares. shape: height x width x 3
 struct LayerSums {
@@ -32,49 +27,95 @@ struct LayerSums {
     }
   }
 
-  TracedLayer finish(int count, const HdrImage& empty) const {
-    TracedLayer layer{empty, empty};
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const double mean = sum[i] / count;
-      const double variance = std::max(0.0, squares[i] / count - mean * mean) * count / (count - 1);
-      layer.mean.values[i] = static_cast<float>(mean);
-      layer.standard_error.values[i] = static_cast<float>(std::sqrt(variance / count));
-    }
-    return layer;
+  double mean(std::size_t i, int count) const { return sum[i] / count; }
+  // Of the mean.
+  double variance(std::size_t i, int count) const {
+    return std::max(0.0, squares[i] / count - mean(i, count) * mean(i, count)) / (count - 1);
   }
 };
 
+// What the camera sees of one object through one subpixel position, and the totals of its rule.
+struct PositionPoints {
+  std::vector<ShadingPoint> points;
+  ShadedPoints pilot;
+  LayerSums sums;
+};
+
+Primary take_position(const Primary& primary, int position) {
+  Primary taken{primary.width, primary.height, 1, {}};
+  for (std::size_t i = static_cast<std::size_t>(position); i < primary.hits.size();
+       i += static_cast<std::size_t>(primary.positions))
+    taken.hits.push_back(primary.hits[i]);
+  return taken;
+}
+
+// Of an object's positions, each with `count` sets.
+TracedLayer join_positions(const std::vector<LayerSums>& positions, int count, const HdrImage& empty) {
+  TracedLayer layer{empty, empty};
+  const auto share = 1 / static_cast<double>(positions.size());
+  for (std::size_t i = 0; i < empty.values.size(); ++i) {
+    double mean = 0, variance = 0;
+    for (const LayerSums& position : positions) {
+      mean += position.mean(i, count);
+      variance += position.variance(i, count);
+    }
+    layer.mean.values[i] = static_cast<float>(mean * share);
+    layer.standard_error.values[i] = static_cast<float>(std::sqrt(variance) * share);
+  }
+  return layer;
+}
+
 class SetTracer {
  public:
-  SetTracer(const FamilyScene& scene, const VplSetsParams& params) : scene_(scene), params_(params) {
-    for (std::size_t i = 0; i < scene.world.objects().size(); ++i)
-      objects_.push_back({find_shading_points(scene.primary, static_cast<std::int32_t>(i)), {}});
-  }
-
-  void trace_pilot() {
-    const LightTree tree = make_tree("pilot", 0);
-    for (std::size_t i = 0; i < objects_.size(); ++i)
-      objects_[i].pilot = cut(i, tree, {kPilotRatio, params_.floor});
-  }
-
-  // One set more into the sums.
-  void trace_set(std::uint64_t set, std::vector<LayerSums>& sums) {
-    const LightTree tree = make_tree("set", set);
-    vpls_ += static_cast<double>(tree.vpls.size());
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-      const ShadedPoints shaded =
-          cut(i, tree, {params_.error_ratio, params_.floor, &objects_[i].pilot, false});
-      HdrImage layer(scene_.primary.width, scene_.primary.height);
-      add_to_layer(shaded, 0, 0, objects_[i].points, scene_.primary.positions, layer);
-      sums[i].add(layer);
+  SetTracer(const FamilyScene& scene, const VplSetsParams& params)
+      : scene_(scene), params_(params), positions_(scene.primary.positions) {
+    std::vector<Primary> taken;
+    for (int position = 0; position < positions_; ++position)
+      taken.push_back(take_position(scene.primary, position));
+    for (std::size_t i = 0; i < scene.world.objects().size(); ++i) {
+      for (const Primary& primary : taken)
+        parts_.push_back({find_shading_points(primary, static_cast<std::int32_t>(i)),
+                          {},
+                          LayerSums(make_black().values.size())});
     }
   }
 
-  VplSets finish(const std::vector<LayerSums>& sums) const {
+  int count_sets() const { return count_vpl_sets(params_.sets, positions_); }
+
+  void trace_pilot() {
+    const LightTree tree = make_tree("pilot", 0);
+    for (std::size_t object = 0; object < count_objects(); ++object) {
+      for (int position = 0; position < positions_; ++position) {
+        PositionPoints& part = at(object, position);
+        part.pilot = cut(object, part.points, tree, {kPilotRatio, params_.floor});
+      }
+    }
+  }
+
+  // One set more, seen through one position.
+  void trace_set(int set) {
+    const LightTree tree = make_tree("set", static_cast<std::uint64_t>(set) + 1);
+    vpls_ += static_cast<double>(tree.vpls.size());
+    for (std::size_t object = 0; object < count_objects(); ++object) {
+      PositionPoints& part = at(object, set % positions_);
+      const ShadedPoints shaded =
+          cut(object, part.points, tree, {params_.error_ratio, params_.floor, &part.pilot, false});
+      HdrImage layer = make_black();
+      add_to_layer(shaded, 0, 0, part.points, 1, layer);
+      part.sums.add(layer);
+    }
+  }
+
+  VplSets finish() const {
     VplSets sets;
-    const HdrImage empty(scene_.primary.width, scene_.primary.height);
-    for (const LayerSums& sum : sums) sets.layers.push_back(sum.finish(params_.sets, empty));
-    sets.mean_vpls = vpls_ / params_.sets;
+    sets.sets = count_sets();
+    for (std::size_t object = 0; object < count_objects(); ++object) {
+      std::vector<LayerSums> sums;
+      for (int position = 0; position < positions_; ++position)
+        sums.push_back(parts_[index_of(object, position)].sums);
+      sets.layers.push_back(join_positions(sums, sets.sets / positions_, make_black()));
+    }
+    sets.mean_vpls = vpls_ / sets.sets;
     sets.mean_clusters = cuts_ > 0 ? clusters_ / cuts_ : 0;
     sets.shadow_rays = rays_;
     return sets;
@@ -91,11 +132,20 @@ class SetTracer {
     return make_light_tree(std::move(list), {params_.seed + set, 4});
   }
 
-  ShadedPoints cut(std::size_t object, const LightTree& tree, const LightcutParams& rule) {
+  HdrImage make_black() const { return HdrImage(scene_.primary.width, scene_.primary.height); }
+
+  std::size_t count_objects() const { return scene_.world.objects().size(); }
+
+  std::size_t index_of(std::size_t object, int position) const {
+    return object * static_cast<std::size_t>(positions_) + static_cast<std::size_t>(position);
+  }
+  PositionPoints& at(std::size_t object, int position) { return parts_[index_of(object, position)]; }
+
+  ShadedPoints cut(std::size_t object, const std::vector<ShadingPoint>& points, const LightTree& tree,
+                   const LightcutParams& rule) {
     CutRecord record;
-    ShadedPoints shaded =
-        shade_lightcut(scene_.world, objects_[object].points, tree, {scene_.materials[object]},
-                       {params_.clamps_per_m2[object]}, rule, &record);
+    ShadedPoints shaded = shade_lightcut(scene_.world, points, tree, {scene_.materials[object]},
+                                         {params_.clamps_per_m2[object]}, rule, &record);
     rays_ += record.shadow_rays;
     if (rule.adaptive) return shaded;
     clusters_ += std::accumulate(record.sizes.begin(), record.sizes.end(), 0.0);
@@ -105,7 +155,8 @@ class SetTracer {
 
   const FamilyScene& scene_;
   const VplSetsParams& params_;
-  std::vector<ObjectPoints> objects_;
+  int positions_;
+  std::vector<PositionPoints> parts_;  // shape: object x position
   double vpls_ = 0, clusters_ = 0, cuts_ = 0;
   std::uint64_t rays_ = 0;
 };
@@ -118,21 +169,23 @@ void check_finite_layers(const VplSets& sets, const std::string& name) {
 
 }  // namespace
 
+int count_vpl_sets(int sets, int positions) {
+  return std::max(2, (sets + positions - 1) / positions) * positions;
+}
+
 VplSets trace_vpl_sets(const FamilyScene& scene, const VplSetsParams& params,
                        const std::function<void()>& progress) {
-  EQ_CHECK(params.sets >= 2, params.sets);
+  EQ_CHECK(params.sets >= 1, params.sets);
   EQ_CHECK(params.clamps_per_m2.size() == scene.world.objects().size(), params.clamps_per_m2.size(),
            scene.world.objects().size());
-  const HdrImage empty(scene.primary.width, scene.primary.height);
-  std::vector<LayerSums> sums(scene.world.objects().size(), LayerSums(empty.values.size()));
   SetTracer tracer(scene, params);
   tracer.trace_pilot();
   progress();
-  for (int set = 0; set < params.sets; ++set) {
-    tracer.trace_set(static_cast<std::uint64_t>(set) + 1, sums);
+  for (int set = 0; set < tracer.count_sets(); ++set) {
+    tracer.trace_set(set);
     progress();
   }
-  VplSets sets = tracer.finish(sums);
+  VplSets sets = tracer.finish();
   check_finite_layers(sets, params.stream_name + ".sets");
   return sets;
 }

@@ -17,16 +17,23 @@ struct VplSetsParams {
 };
 
 struct VplSets {
-  std::vector<TracedLayer> layers;  ///< of each object; the standard error is from the sets' spread
-  double mean_vpls = 0;             ///< of a set
-  double mean_clusters = 0;         ///< of a point's cut
-  std::uint64_t shadow_rays = 0;    ///< with the pilot's
+  int sets = 0;
+  std::vector<TracedLayer>
+      layers;                ///< of each object; the standard error is from the spread of a position's sets
+  double mean_vpls = 0;      ///< of a set
+  double mean_clusters = 0;  ///< of a point's cut
+  std::uint64_t shadow_rays = 0;  ///< with the pilot's
 };
 
-/// The rule of the sets' cuts takes its totals from a pilot, one set more that is then thrown away: no cut
-/// depends on its own representatives, so the expectation is exactly the VPL sum's, clamped. With
-/// trace_compensation the sum is the path-traced layer. `progress` is told each set done. errors: InputError
-/// for lack of memory or radiance that leaves the range of float
+/// So many sets or more: a multiple of the subpixel positions, and at least two of each, from whose
+/// difference the error is known.
+int count_vpl_sets(int sets, int positions);
+
+/// Each set is seen through one subpixel position, all positions equally often: neighbouring samples of a set
+/// err alike. The rule of the sets' cuts takes its totals from a pilot, one set more that is then thrown
+/// away: no cut depends on its own representatives, so the expectation is exactly the VPL sum's, clamped.
+/// With trace_compensation the sum is the path-traced layer. `progress` is told the pilot and each set done.
+/// errors: InputError for lack of memory or radiance that leaves the range of float
 VplSets trace_vpl_sets(const FamilyScene& scene, const VplSetsParams& params,
                        const std::function<void()>& progress);
 
