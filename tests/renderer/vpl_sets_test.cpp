@@ -80,11 +80,11 @@ class SetsAndCompensation : public testing::TestWithParam<Case> {};
 
 constexpr int kRuns = 40;
 // Level 1 % over four cases of three parts, two-sided.
-const double kMostErrors =
-    boost::math::quantile(boost::math::complement(boost::math::students_t(kRuns - 1), .01 / 4 / kParts / 2));
+const double kMostErrors = boost::math::quantile(
+    boost::math::complement(boost::math::students_t(kRuns - 1), .01 / 4 / int{kParts} / 2));
 
 // 40 seeds of four coarse sets with compensation and of path tracing, part by part. A bias of 4 % is seen
-// with 90 % power.
+// with 90 % power, of 6 % at silhouettes and about the contact, whose light comes by rare bright paths.
 TEST_P(SetsAndCompensation, AreThePathTracersLight) {
   const auto& [geometry, material, clamp] = GetParam();
   const Stage stage(geometry, material, 40, 30);
@@ -112,7 +112,7 @@ TEST_P(SetsAndCompensation, AreThePathTracersLight) {
     const std::string text =
         fmt::format("{}: {:.4f} +- {:.4f}", part, difference.mean / whole, difference.standard_error / whole);
     EXPECT_LT(std::abs(difference.mean), kMostErrors * difference.standard_error) << text;
-    EXPECT_LT(difference.standard_error / whole, (part == kContact ? 0.06 : 0.04) / (kMostErrors + 1.3))
+    EXPECT_LT(difference.standard_error / whole, (part == kMiddle ? 0.04 : 0.06) / (kMostErrors + 1.3))
         << text;
   }
 }
