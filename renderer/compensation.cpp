@@ -11,52 +11,29 @@ namespace {
 
 struct CompensationJob {
   const FamilyScene& scene;
-  const PathMap& map;
   const CompensationParams& params;
-  StreamKey key;
+  BatchJob batches;
   ReturnParams returned;
 };
-
-// One randomisation at one position; each level's sum.
-void trace_batch(const CompensationJob& job, const PrimaryHit& hit, std::uint32_t paths, std::uint64_t stream,
-                 std::vector<std::array<double, 3>>& sums) {
-  PathSampler sampler(RandomStream(job.key, stream), job.params.measures.low_discrepancy);
-  for (auto& sum : sums) sum = {};
-  for (std::uint32_t path = 0; path < paths; ++path) {
-    sampler.next_path();
-    const ReturnedLight light = estimate_returned(job.scene.world, job.scene.materials, hit.point, hit.v,
-                                                  job.returned, sampler, job.params.measures);
-    if (!(light.peak_per_m2 > 0)) continue;
-    for (std::size_t level = 0; level < sums.size(); ++level) {
-      const Vec3 value = light.at(job.params.clamps_per_m2[level]);
-      sums[level][0] += value.x;
-      sums[level][1] += value.y;
-      sums[level][2] += value.z;
-    }
-  }
-}
 
 // Gives the paths traced.
 double trace_pixel(const CompensationJob& job, std::size_t pixel, std::vector<TracedLayer>& layers) {
   const Primary& primary = job.scene.primary;
-  const std::uint32_t paths = job.map[pixel];
   double traced = 0;
   std::vector<BatchSums> batches(layers.size());
-  std::vector<std::array<double, 3>> sums(layers.size());
-  for (int position = 0; position < primary.positions && paths > 0; ++position) {
+  for (int position = 0; position < primary.positions; ++position) {
     const PrimaryHit& hit = primary.at(pixel, position);
     if (hit.kind != PrimaryKind::kObject) continue;
     const std::uint64_t place =
         pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
-    for (int batch = 0; batch < kBatches; ++batch) {
-      trace_batch(job, hit, paths, place * kBatches + static_cast<std::uint64_t>(batch), sums);
-      const double share = 1.0 / paths;
+    add_batches(batches, job.batches, pixel, place, [&](PathSampler& sampler, auto& sums) {
+      const ReturnedLight light = estimate_returned(job.scene.world, job.scene.materials, hit.point, hit.v,
+                                                    job.returned, sampler, job.params.measures);
+      if (light.peak_per_m2 == 0) return;
       for (std::size_t level = 0; level < sums.size(); ++level)
-        batches[level].add(
-            batch, {static_cast<float>(sums[level][0] * share), static_cast<float>(sums[level][1] * share),
-                    static_cast<float>(sums[level][2] * share)});
-    }
-    traced += double{kBatches} * paths;
+        add_light(light.at(job.params.clamps_per_m2[level]), sums[level]);
+    });
+    traced += double{kBatches} * job.batches.map[pixel];
   }
   for (std::size_t level = 0; level < layers.size(); ++level)
     store(batches[level], primary.positions, layers[level], pixel);
@@ -71,11 +48,8 @@ std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const Path
   EQ_CHECK(!params.clamps_per_m2.empty(), params.clamps_per_m2.size());
   const double least = *std::min_element(params.clamps_per_m2.begin(), params.clamps_per_m2.end());
   const bool with_missing = params.emission == Emission::kLambertian && has_gloss(scene.materials);
-  const CompensationJob job{scene,
-                            map,
-                            params,
-                            make_stream_key(params.seed, params.stream_name + ".compensation"),
-                            {least, with_missing}};
+  const StreamKey key = make_stream_key(params.seed, params.stream_name + ".compensation");
+  const CompensationJob job{scene, params, {key, map, params.measures}, {least, with_missing}};
   const HdrImage empty(scene.primary.width, scene.primary.height);
   std::vector<TracedLayer> layers(params.clamps_per_m2.size(), {empty, empty});
   constexpr std::size_t kStrip = 64;

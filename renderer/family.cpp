@@ -10,38 +10,9 @@
 namespace equilux {
 namespace {
 
-// What one layer needs to be estimated.
-struct LayerJob {
-  StreamKey key;
-  const PathMap& map;
-  const PathMeasures& measures;
-};
-
-template <typename Estimate>
-void add_batches(BatchSums& sums, const LayerJob& job, std::size_t pixel, std::uint64_t place,
-                 const Estimate& estimate) {
-  const std::uint32_t paths = job.map[pixel];
-  if (paths == 0) return;
-  for (int batch = 0; batch < kBatches; ++batch) {
-    PathSampler sampler(RandomStream(job.key, place * kBatches + static_cast<std::uint64_t>(batch)),
-                        job.measures.low_discrepancy);
-    std::array<double, 3> sum{};
-    for (std::uint32_t path = 0; path < paths; ++path) {
-      sampler.next_path();
-      const Vec3 value = estimate(sampler);
-      sum[0] += value.x;
-      sum[1] += value.y;
-      sum[2] += value.z;
-    }
-    const double share = 1.0 / paths;
-    sums.add(batch, {static_cast<float>(sum[0] * share), static_cast<float>(sum[1] * share),
-                     static_cast<float>(sum[2] * share)});
-  }
-}
-
 struct FamilyJob {
   const FamilyScene& scene;
-  LayerJob background, direct, indirect;
+  BatchJob background, direct, indirect;
 };
 
 // What the camera sees without a bounce: a lamp, or the environment.
@@ -50,31 +21,36 @@ void add_seen_light(const World& world, const PrimaryHit& hit, BatchSums& backgr
       hit.kind == PrimaryKind::kNothing
           ? world.environment()
           : world.rectangles()[static_cast<std::size_t>(hit.point.emitter)].radiance_w_per_m2_sr;
-  for (int batch = 0; batch < kBatches; ++batch) background.add(batch, radiance);
+  for (LightSum& batch : background) add_light(radiance, batch);
 }
 
 void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) {
   const World& world = job.scene.world;
   const Materials& materials = job.scene.materials;
   const Primary& primary = job.scene.primary;
-  BatchSums background, direct, indirect;
+  BatchSums background{}, direct{}, indirect{};
   for (int position = 0; position < primary.positions; ++position) {
     const PrimaryHit& hit = primary.at(pixel, position);
     if (hit.kind == PrimaryKind::kHidden) continue;
     const std::uint64_t place =
         pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
-    if (hit.kind == PrimaryKind::kObject) {
-      add_batches(direct, job.direct, pixel, place, [&](PathSampler& sampler) {
-        return estimate_direct(world, materials, hit.point, hit.v, sampler, job.direct.measures);
+    const auto add = [&](BatchSums& layer, const BatchJob& how, const auto& estimate) {
+      add_batches(std::span(&layer, 1), how, pixel, place, [&](PathSampler& sampler, auto& sums) {
+        add_light(estimate(sampler, how.measures), sums.front());
       });
-      add_batches(indirect, job.indirect, pixel, place, [&](PathSampler& sampler) {
-        return estimate_reflected(world, materials, hit.point, hit.v, false, sampler, job.indirect.measures);
+    };
+    if (hit.kind == PrimaryKind::kObject) {
+      add(direct, job.direct, [&](PathSampler& sampler, const PathMeasures& measures) {
+        return estimate_direct(world, materials, hit.point, hit.v, sampler, measures);
+      });
+      add(indirect, job.indirect, [&](PathSampler& sampler, const PathMeasures& measures) {
+        return estimate_reflected(world, materials, hit.point, hit.v, false, sampler, measures);
       });
     } else if (hit.kind == PrimaryKind::kNothing || hit.point.emitter >= 0) {
       add_seen_light(world, hit, background);
     } else {
-      add_batches(background, job.background, pixel, place, [&](PathSampler& sampler) {
-        return estimate_reflected(world, materials, hit.point, hit.v, true, sampler, job.background.measures);
+      add(background, job.background, [&](PathSampler& sampler, const PathMeasures& measures) {
+        return estimate_reflected(world, materials, hit.point, hit.v, true, sampler, measures);
       });
     }
   }
@@ -134,7 +110,7 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
                           const std::function<void(double)>& progress) {
   const Primary& primary = scene.primary;
   const auto layer_job = [&](const char* layer, const PathMap& map) {
-    return LayerJob{make_stream_key(seed, stream_name + "." + layer), map, measures};
+    return BatchJob{make_stream_key(seed, stream_name + "." + layer), map, measures};
   };
   // Direct light is exact where no light has an area: then one path is enough.
   const PathMap once(maps.direct.size(), 1);

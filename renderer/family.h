@@ -14,10 +14,6 @@
 
 namespace equilux {
 
-/// Paths of one layer at each pixel, in each batch and at each subpixel position; none leave it black.
-/// shape: height x width
-using PathMap = std::vector<std::uint32_t>;
-
 struct PathMaps {
   PathMap background, direct, indirect;
 };

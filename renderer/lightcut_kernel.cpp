@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "renderer/cut_groups.h"
 #include "renderer/cut_light.h"
+#include "renderer/cut_sums.h"
 #include "renderer/kernels.h"
 #include "renderer/parallel.h"
 
@@ -23,8 +24,6 @@
 
 namespace equilux::EQ_ISA {
 namespace {
-
-constexpr std::size_t kBlocksOfSums = 32;  // blocks of members summed in float before they go to double
 
 // Luminance at each material and level, as the group before had it on average.
 struct Totals {
@@ -43,6 +42,7 @@ class GroupCut {
         least_thresholds_(job.materials.size(), zeros()),
         thresholds_(job.materials.size() * job.levels, zeros()),
         base_(thresholds_),
+        sums_(job),
         light_(job) {
     bounds_.reserve(kLanes);
   }
@@ -73,7 +73,7 @@ class GroupCut {
       light_.shade(points_, members_, lit_);
       lit_ = members_.size();
       if (!job_.params.adaptive) return;
-      const std::vector<Floats> totals = sum_luminance();
+      const std::vector<Floats> totals = sums_.find_totals(members_, base_);
       const std::vector<Floats> old = thresholds_;
       set_thresholds(totals);
       keep_totals(totals, range.count, before);
@@ -100,14 +100,7 @@ class GroupCut {
   }
 
   // Into the places of the group's points.
-  void write_light(PointRange range, ShadedPoints& shaded) const {
-    constexpr std::size_t kAtOnce = 4;
-    for (std::size_t m = 0; m < job_.materials.size(); ++m) {
-      std::size_t level = 0;
-      for (; level + kAtOnce <= job_.levels; level += kAtOnce) write_levels<kAtOnce>(m, level, range, shaded);
-      for (; level < job_.levels; ++level) write_levels<1>(m, level, range, shaded);
-    }
-  }
+  void write_light(PointRange range, ShadedPoints& shaded) const { sums_.write(members_, range, shaded); }
 
  private:
   using Table = Members<S>;
@@ -140,17 +133,6 @@ class GroupCut {
       origins.set(lane, point.surface.origin());
     }
     points_ = {load_points(bounds_), load(ng), load(origins)};
-  }
-
-  template <std::size_t kLevels>
-  void write_levels(std::size_t m, std::size_t first, PointRange range, ShadedPoints& shaded) const {
-    const auto sums = sum_light<kLevels>(m, first);
-    for (std::size_t i = 0; i < kLevels; ++i) {
-      for (std::size_t sample = 0; sample < range.count; ++sample)
-        shaded.radiance[shaded.index(m, first + i, range.first + sample)] = {
-            static_cast<float>(sums[i][0][sample]), static_cast<float>(sums[i][1][sample]),
-            static_cast<float>(sums[i][2][sample])};
-    }
   }
 
   std::size_t index_of(std::size_t material, std::size_t level) const {
@@ -240,7 +222,10 @@ class GroupCut {
     if (!job_.tree.gloss.empty()) bound.emission = bound_glossy_emission(first, count);
     const std::uint32_t emits = lane_mask(bound.emission > 0.0f) & asked;
     std::uint32_t breaks = 0, lit = 0;
-    Looked looked{nodes.weight, ids, bound.emission, {}};
+    Looked looked;  // peaks are set as far as they are needed
+    looked.weight = nodes.weight;
+    looked.ids = ids;
+    looked.emission = bound.emission;
     std::array<Floats, kMostMaterials> lobes;
     lobes[0] = zeros();
     for (std::size_t i = 0; i < job_.lobes.size(); ++i)
@@ -411,65 +396,6 @@ class GroupCut {
     return load(emission.data());
   }
 
-  // Of each sample, in every slot. shape: material x level
-  std::vector<Floats> sum_luminance() {
-    std::vector<Floats> totals;
-    for (std::size_t m = 0; m < job_.materials.size(); ++m) {
-      if (!job_.grey || m == 0) find_luminances(m);
-      std::array<Floats, kLanes> sums;
-      sums.fill(zeros());
-      for (std::size_t block = 0; block < members_.blocks(); ++block) {
-        const Floats peak = members_.block(block, members_.peak_of(m)), y = luminances_[block];
-        for (std::size_t level = 0; level < job_.levels; ++level)
-          sums[level] += y * min(broadcast(job_.clamps_per_m2[level]), peak);
-      }
-      for (std::size_t level = 0; level < job_.levels; ++level) {
-        const auto lanes = to_array(sums[level]);
-        std::array<float, S> samples{};
-        for (std::size_t lane = 0; lane < kLanes; ++lane) samples[lane % S] += lanes[lane];
-        totals.push_back(base_[index_of(m, level)] + tile<S>(samples.data()));
-      }
-    }
-    return totals;
-  }
-
-  void find_luminances(std::size_t m) {
-    luminances_.resize(members_.blocks());
-    for (std::size_t block = 0; block < members_.blocks(); ++block)
-      luminances_[block] = luminance(light_block(block, m));
-  }
-
-  EQ_INLINE Floats3 light_block(std::size_t block, std::size_t m) const {
-    return {members_.block(block, members_.light_of(m, 0)), members_.block(block, members_.light_of(m, 1)),
-            members_.block(block, members_.light_of(m, 2))};
-  }
-
-  // Of some levels from `first` on. shape: level x channel x sample
-  template <std::size_t kLevels>
-  auto sum_light(std::size_t m, std::size_t first) const {
-    std::array<std::array<std::array<double, S>, 3>, kLevels> sums{};
-    for (std::size_t begin = 0; begin < members_.blocks(); begin += kBlocksOfSums) {
-      std::array<Floats3, kLevels> parts;
-      parts.fill(splat({}));
-      for (std::size_t block = begin; block < std::min(members_.blocks(), begin + kBlocksOfSums); ++block) {
-        const Floats peak = members_.block(block, members_.peak_of(m));
-        const Floats3 light = light_block(block, m);
-        for (std::size_t i = 0; i < kLevels; ++i)
-          parts[i] = parts[i] + light * min(broadcast(job_.clamps_per_m2[first + i]), peak);
-      }
-      for (std::size_t i = 0; i < kLevels; ++i) add_lanes(parts[i], sums[i]);
-    }
-    return sums;
-  }
-
-  static void add_lanes(const Floats3& part, std::array<std::array<double, S>, 3>& sums) {
-    const std::array<std::array<float, kLanes>, 3> lanes{to_array(part.x), to_array(part.y),
-                                                         to_array(part.z)};
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) sums[channel][lane % S] += lanes[channel][lane];
-    }
-  }
-
   const CutJob& job_;
   Table members_;
   std::vector<Floats> least_thresholds_;   // over levels. shape: material
@@ -477,9 +403,9 @@ class GroupCut {
   std::vector<BoundPoint> bounds_;         // shape: kLanes
   GroupPoints points_;
   Pile<Open> open_;
-  Floats dark_ = zeros();           // clusters without light in each lane's cut
-  std::size_t lit_ = 0;             // members that have their light
-  std::vector<Floats> luminances_;  // of blocks of members
+  Floats dark_ = zeros();  // clusters without light in each lane's cut
+  std::size_t lit_ = 0;    // members that have their light
+  MemberSums<S> sums_;
   MemberLight<S> light_;
 };
 
@@ -521,16 +447,6 @@ class Cuts {
   std::uint64_t rays_ = 0;
 };
 
-void add_material(const Material& material, CutJob& job) {
-  const auto is_grey = [](Vec3 colour) { return colour.x == colour.y && colour.y == colour.z; };
-  job.grey = job.grey && is_grey(material.rho_d) && is_grey(material.rho_s);
-  if (material.glossy_share == 0) return job.lobe_of.push_back(0);
-  const Lobe lobe{material.model, material.alpha};
-  const auto found = std::find(job.lobes.begin(), job.lobes.end(), lobe);
-  job.lobe_of.push_back(static_cast<std::size_t>(found - job.lobes.begin()));
-  if (found == job.lobes.end()) job.lobes.push_back(lobe);
-}
-
 }  // namespace
 
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
@@ -565,25 +481,6 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
   check_finite(shaded);
   if (record) *record = {std::move(sizes), rays};
   return shaded;
-}
-
-NodeBounds bound_nodes(const LightTree& tree, const Material& material, const BoundPoint& point,
-                       const std::uint32_t* ids, std::size_t count) {
-  const LanePoint lanes = load_points(std::vector<BoundPoint>(kLanes, point));
-  const LaneBound bound = bound_lanes(load_nodes(tree, ids, count), lanes, material.glossy_share > 0);
-  const Floats lobe =
-      material.glossy_share > 0 ? bound_lobe({material.model, material.alpha}, lanes, bound) : zeros();
-  const auto peaks = to_array(bound_peak(material, bound, lobe)), emissions = to_array(bound.emission);
-  NodeBounds bounds;
-  for (std::size_t lane = 0; lane < count; ++lane) {
-    bounds.peak[lane] = peaks[lane];
-    if (!(peaks[lane] > 0)) continue;
-    bounds.emission[lane] = emissions[lane];
-    if (tree.gloss.empty()) continue;
-    const Cluster cluster = unpack_cluster(tree, tree.nodes[ids[lane]]);
-    bounds.emission[lane] = bound_emission(point.p, cluster, &tree.gloss[ids[lane]]);
-  }
-  return bounds;
 }
 
 }  // namespace equilux::EQ_ISA

@@ -221,8 +221,8 @@ bool has_gloss(const Materials& materials) {
 }
 
 Vec3 ReturnedLight::at(double clamp_per_m2) const {
-  const double share = 1 - clamp_per_m2 / double{peak_per_m2};
-  return share > 0 ? clamped * static_cast<float>(share) + missing : missing;
+  if (double{peak_per_m2} <= clamp_per_m2) return missing;
+  return clamped * static_cast<float>(1 - clamp_per_m2 / double{peak_per_m2}) + missing;
 }
 
 ReturnedLight estimate_returned(const World& world, const Materials& materials, const SurfacePoint& point,
@@ -232,15 +232,15 @@ ReturnedLight estimate_returned(const World& world, const Materials& materials, 
   const auto step = sample_step(shading, point, sampler);
   if (!step) return {};
   const float most = max_component(eval_scatter<Vec3>(shading, point, step->direction));
-  const auto reach = static_cast<float>(std::sqrt(double{most} / params.least_clamp_per_m2));
-  const auto hit = world.intersect(point.origin(), step->direction,
-                                   params.with_missing ? std::numeric_limits<float>::infinity() : reach);
+  const auto reach = params.with_missing
+                         ? std::numeric_limits<float>::infinity()
+                         : static_cast<float>(std::sqrt(double{most} / params.least_clamp_per_m2));
+  const auto hit = world.intersect(point.origin(), step->direction, reach);
   if (is_light(hit)) return {};
   const Vec3 d = hit->p - point.p;
   const float peak = most / dot(d, d);
-  if (!(peak > params.least_clamp_per_m2) &&
-      !(params.with_missing && materials[hit->material].glossy_share > 0))
-    return {};
+  const bool misses = params.with_missing && materials[hit->material].glossy_share > 0;
+  if (peak <= params.least_clamp_per_m2 && !misses) return {};
   const Parts parts = estimate_parts(world, materials, *hit, -step->direction, sampler, measures);
   if (params.with_missing) return {step->weight * parts.diffuse, step->weight * parts.glossy, peak};
   return {step->weight * (parts.diffuse + parts.glossy), {}, peak};

@@ -153,8 +153,11 @@ void shade_sets(const PictureScene& scene, const PictureParams& params, Picture&
   sets.seed = params.seed;
   sets.stream_name = scene.stream_name + ".vpls";
   Progress progress("VPL sets", 1.0 + count_vpl_sets(sets.sets, scene.primary.positions));
-  VplSets traced =
-      trace_vpl_sets({scene.world, scene.materials, scene.primary}, sets, [&] { progress.advance(1); });
+  VplSets traced;
+  with_vpl_memory(*params.vpl_count, [&] {
+    traced =
+        trace_vpl_sets({scene.world, scene.materials, scene.primary}, sets, [&] { progress.advance(1); });
+  });
   picture.vpl_count = std::llround(traced.mean_vpls);
   picture.sets = traced.sets;
   for (std::size_t i = 0; i < picture.objects.size(); ++i) {
@@ -183,11 +186,13 @@ HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& param
                               [&](double paths) { progress.expect_more(paths); }};
   PathMaps maps = allot_family({scene.world, scene.materials, scene.primary}, reference, report);
   PathMap compensation;
-  if (params.compensate) compensation = maps.indirect;
   const PathMap none(maps.indirect.size(), 0);
-  if (params.vpl_count && !params.compensate) maps.indirect = none;
+  if (params.vpl_count) {  // VPLs light the objects instead
+    if (params.compensate) compensation = maps.indirect;
+    maps.indirect = none;
+  }
   picture.paths = count_paths(scene.primary, maps);
-  if (params.vpl_count) maps.indirect = none;  // VPLs light the objects instead
+  if (!compensation.empty()) picture.paths += count_paths(scene.primary, {none, none, compensation});
   const auto trace = [&](const Primary& part) {
     return trace_layers({scene.world, scene.materials, part}, maps, reference.seed, reference.stream_name,
                         reference.measures, report.advance);

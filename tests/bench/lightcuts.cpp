@@ -117,12 +117,12 @@ class Collector : public benchmark::BenchmarkReporter {
   std::map<std::string, std::vector<double>> seconds_;
 };
 
-void add(const std::string& name, std::function<void()> body, int iterations = 1) {
+void add(const std::string& name, std::function<void()> body) {
   benchmark::RegisterBenchmark(name.c_str(),
                                [body](benchmark::State& state) {
                                  for (auto _ : state) body();
                                })
-      ->Iterations(iterations)
+      ->Iterations(1)
       ->Repetitions(3)
       ->UseRealTime()
       ->MeasureProcessCPUTime();
@@ -154,7 +154,6 @@ class Bench {
   void add_geometry(const std::string& geometry) {
     const Room& room = *(rooms_[geometry] = std::make_unique<Room>(geometry));
     const auto points = take_pixels(room.points.at(kSamples), kStride),
-               few = take_pixels(room.points.at(kSamples), 2 * kStride),
                singles = take_pixels(room.points.at(1), kStride);
     for (const char* count : {"100k", "1M", "5M", "25M"}) {
       const Lights& lights = *(lights_[geometry + "/" + count] =
@@ -168,8 +167,7 @@ class Bench {
       for (int level = 0; level < kClampLevelCount; ++level)
         add_cut(fmt::format("{}/{}/5M/C{}", geometry, name, level), room, lights, points, {name},
                 {clamp_per_m2(level)});
-      add_cut(geometry + "/few/" + name, room, lights, few, {name}, all_clamps(), kRunsOfFew);
-      add_rays(geometry + "/rays/" + name, room, lights, few, name);
+      add_rays(geometry + "/rays/" + name, room, lights, points, name);
     }
     add_cut(geometry + "/five", room, lights, points, kFive, all_clamps());
     for (const std::string& name : kFive)
@@ -239,23 +237,18 @@ class Bench {
       shade_lightcut(room.world, points, lights.tree, {room.material(material)}, all_clamps(), params);
     }
     for (OcclusionQuery query : kOcclusionQueries)
-      add(
-          fmt::format("{}/{}", name, static_cast<int>(query)),
-          [&room, &rays, query] { benchmark::DoNotOptimize(room.world.count_visible(rays, query)); },
-          kRunsOfFew);
+      add(fmt::format("{}/{}", name, static_cast<int>(query)),
+          [&room, &rays, query] { benchmark::DoNotOptimize(room.world.count_visible(rays, query)); });
   }
 
   static void add_cut(const std::string& name, const Room& room, const Lights& lights,
                       std::vector<ShadingPoint> points, const std::vector<std::string>& names,
-                      std::vector<double> clamps, int iterations = 1) {
+                      std::vector<double> clamps) {
     std::vector<Material> materials;
     for (const std::string& material : names) materials.push_back(room.material(material));
-    add(
-        name,
-        [&room, &lights, points = std::move(points), materials, clamps = std::move(clamps)] {
-          shade_lightcut(room.world, points, lights.tree, materials, clamps, {kRatio, kFloor});
-        },
-        iterations);
+    add(name, [&room, &lights, points = std::move(points), materials, clamps = std::move(clamps)] {
+      shade_lightcut(room.world, points, lights.tree, materials, clamps, {kRatio, kFloor});
+    });
   }
 
   bool print(const std::string& geometry, const Collector& times) const {
@@ -278,7 +271,7 @@ class Bench {
       for (OcclusionQuery query : kOcclusionQueries)
         best = std::min(best, seconds(fmt::format("rays/{}/{}", name, static_cast<int>(query))));
       rows.push_back({"shading / the same shadow rays by the best query, 5M, " + name,
-                      seconds("few/" + name) / best, 1.5, 1.15});
+                      seconds(name + "/5M") / best, 1.5, 1.15});
     }
     const double one = seconds("single/5M"), whole = one * kStride;
     const std::vector<Row> others{
@@ -331,7 +324,6 @@ class Bench {
   static constexpr std::array kLeafCounts{"100k", "1M", "5M"};
   static constexpr std::array kLeafSizes{1, 2, 4, 8};
   static constexpr std::size_t kStride = 32;
-  static constexpr int kRunsOfFew = 4;  // one after another, as in a picture
   const std::vector<std::string> kFive{"MS", "MR", "BS", "BR", "GS"};
   std::map<std::string, std::unique_ptr<Room>> rooms_;
   std::map<std::string, std::unique_ptr<Lights>> lights_;

@@ -54,6 +54,21 @@ inline Scene make_scene(const SceneText& text) {
   return load_scene(path);
 }
 
+/// A rough metal wall lights a grey ball: all the ball's light but the wall's diffuse part comes from gloss.
+inline Scene make_metal_wall_scene() {
+  SceneText text;
+  text.materials = R"([{"name":"grey","model":"lambertian","rho_d":[0.5,0.5,0.5]},
+    {"name":"metal","model":"ward-duer","rho_d":[0.1,0.1,0.1],"rho_s":[0.3,0.3,0.3],"alpha":0.3}])";
+  text.meshes = R"([{"name":"ball","sphere":{"radius":0.5,"subdivisions":5}},
+    {"name":"wall","quad":{"u":[4,0,0],"v":[0,0,4]}}])";
+  text.instances = R"([{"mesh":"wall","material":"metal","at":[-2,2,-2]}])";
+  text.lights = R"([{"spot":{"position":[1.5,0,0],"target":[0.5,2,0],"inner_degrees":20,"outer_degrees":35,
+      "intensity":[5,5,5]}}])";
+  text.stand = "[0,0,-0.5]";
+  text.camera = R"({"position":[3,0.5,0.3],"target":[0,0,0],"up":[0,0,1],"vertical_fov_degrees":25})";
+  return make_scene(text);
+}
+
 inline FamilyProgress no_progress() {
   return {[](double) {}, [](double) {}};
 }

@@ -74,24 +74,27 @@ struct Case {
   const char* geometry;
   const char* material;
   double clamp;
+  int runs = 40;
 };
 
 class SetsAndCompensation : public testing::TestWithParam<Case> {};
 
-constexpr int kRuns = 40;
 // Level 1 % over four cases of three parts, two-sided.
-const double kMostErrors = boost::math::quantile(
-    boost::math::complement(boost::math::students_t(kRuns - 1), .01 / 4 / int{kParts} / 2));
+double find_most_errors(int runs) {
+  const boost::math::students_t spread(runs - 1);
+  return boost::math::quantile(boost::math::complement(spread, .01 / 4 / int{kParts} / 2));
+}
 
-// 40 seeds of four coarse sets with compensation and of path tracing, part by part. A bias of 4 % is seen
-// with 90 % power, of 6 % at silhouettes and about the contact, whose light comes by rare bright paths.
+// Seeds of four coarse sets with compensation and of path tracing, part by part. A bias of 4 % is seen with
+// 90 % power, about the contact of 6 %.
 TEST_P(SetsAndCompensation, AreThePathTracersLight) {
-  const auto& [geometry, material, clamp] = GetParam();
+  const auto& [geometry, material, clamp, runs] = GetParam();
+  const double most_errors = find_most_errors(runs);
   const Stage stage(geometry, material, 40, 30);
   const std::vector<int> parts = find_parts(stage);
   const std::size_t pixels = parts.size();
   std::array<std::vector<double>, kParts> differences, lights;
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < runs; ++run) {
     const std::uint64_t seed = 1 + static_cast<std::uint64_t>(run);
     const VplSets sets = trace_vpl_sets(stage.family(), stage.params(clamp, seed), [] {});
     const CompensationParams compensation{{clamp}, Emission::kLambertian, seed, "vpl-sets-test", {}};
@@ -111,15 +114,15 @@ TEST_P(SetsAndCompensation, AreThePathTracersLight) {
     const double whole = test::mean_of(lights[part]).mean;
     const std::string text =
         fmt::format("{}: {:.4f} +- {:.4f}", part, difference.mean / whole, difference.standard_error / whole);
-    EXPECT_LT(std::abs(difference.mean), kMostErrors * difference.standard_error) << text;
-    EXPECT_LT(difference.standard_error / whole, (part == kMiddle ? 0.04 : 0.06) / (kMostErrors + 1.3))
+    EXPECT_LT(std::abs(difference.mean), most_errors * difference.standard_error) << text;
+    EXPECT_LT(difference.standard_error / whole, (part == kContact ? 0.06 : 0.04) / (most_errors + 1.3))
         << text;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, SetsAndCompensation,
-                         testing::Values(Case{"G0", "MS", 10}, Case{"G2", "MR", 31.6}, Case{"G1", "GS", 10},
-                                         Case{"G3", "LG", 10}),
+                         testing::Values(Case{"G0", "MS", 10, 64}, Case{"G2", "MR", 31.6},
+                                         Case{"G1", "GS", 10}, Case{"G3", "LG", 10}),
                          [](const auto& row) {
                            return fmt::format("{}{}", row.param.geometry, row.param.material);
                          });
