@@ -41,6 +41,7 @@ std::string format_page(const Report& report) {
                                        {"monotone", format_monotone(report)},
                                        {"rules", format_rule_differences(report)},
                                        {"noise", format_noise(report)},
+                                       {"convergences", format_convergences(report)},
                                        {"cells", format_cells(report)},
                                        {"provenance", format_provenance(report)}});
 }

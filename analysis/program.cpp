@@ -2,10 +2,12 @@
 #include "analysis/program.h"
 
 #include <cstdio>
+#include <set>
 
 #include "analysis/prune.h"
 #include "analysis/tables.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "base/program.h"
 
 namespace equilux {
@@ -15,6 +17,23 @@ template <typename T, typename Load>
 std::optional<T> load_if_there(const std::filesystem::path& path, const Load& load) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   return load(path);
+}
+
+// Of all conditions that were measured, by name.
+std::vector<ConvergenceExhibit> load_convergences(const std::filesystem::path& folder) {
+  std::vector<ConvergenceExhibit> exhibits;
+  if (!std::filesystem::is_directory(folder)) return exhibits;
+  std::set<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".json") files.insert(entry.path());
+  }
+  for (std::filesystem::path file : files) {
+    ConvergenceExhibit exhibit{load_convergence(file), ""};
+    file.replace_extension(".svg");
+    if (std::filesystem::exists(file)) exhibit.svg = load_text(file);
+    exhibits.push_back(std::move(exhibit));
+  }
+  return exhibits;
 }
 
 std::string describe_sessions(const ExperimentEvidence& evidence, Experiment experiment) {
@@ -53,6 +72,7 @@ Report load_report(const StudyFolder& folder, std::optional<SubjectKind> kind, R
       folder.windows(), [&](const std::filesystem::path& path) { return load_windows(path, study); });
   sources.manifest = load_if_there<Manifest>(
       folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
+  sources.convergences = load_convergences(folder.convergence_folder());
   return make_report(study, std::move(evidence), rule, std::move(sources));
 }
 

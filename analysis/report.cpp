@@ -86,6 +86,7 @@ Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSourc
   report.selection = std::move(sources.selection);
   report.windows = std::move(sources.windows);
   report.manifest = std::move(sources.manifest);
+  report.convergences = std::move(sources.convergences);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
   warn_of_other_study(report);

@@ -8,9 +8,16 @@
 
 #include "analysis/equivalence.h"
 #include "analysis/evidence.h"
+#include "stimuli/convergence.h"
 #include "stimuli/manifest.h"
 
 namespace equilux {
+
+/// Error against run time of a condition, and its plot.
+struct ConvergenceExhibit {
+  Convergence convergence;
+  std::string svg;  ///< empty: it was not drawn
+};
 
 /// Everything that a report says, before it is drawn. Pure: no clock, no file.
 struct Report {
@@ -23,6 +30,7 @@ struct Report {
   std::optional<Selection> selection;
   std::optional<Windows> windows;
   std::optional<Manifest> manifest;
+  std::vector<ConvergenceExhibit> convergences;
   std::vector<std::string> warnings;  ///< legal, but a reader should know
 };
 
@@ -31,6 +39,7 @@ struct ReportSources {
   std::optional<Selection> selection;
   std::optional<Windows> windows;
   std::optional<Manifest> manifest;
+  std::vector<ConvergenceExhibit> convergences = {};
 };
 
 /// errors: InputError for answers that the study does not allow.

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   add_describe(app, line);
   add_export(app, line);
   add_sheet(app, line);
+  add_converge(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -28,6 +28,9 @@ struct StudyFolder {
   std::filesystem::path selection(SubjectKind kind) const {
     return root / ("selection-" + format_kind(kind) + ".json");
   }
+  std::filesystem::path convergence_folder() const {
+    return root / "convergence";
+  }  ///< of equilux-render converge
   std::filesystem::path report_folder() const { return root / "report"; }
 };
 

@@ -187,6 +187,32 @@ TEST(Report, before_the_material_experiment_shows_columns_as_not_tested) {
   EXPECT_TRUE(report.warnings.empty());
 }
 
+TEST(Report, shows_error_against_run_time_where_it_was_measured) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  Report report = make_planted_report(planted);
+  EXPECT_FALSE(has(format_page(report), "Error against run time"));
+  Convergence convergence;
+  convergence.condition = "G0-MS-ind-1k-C4-v0";
+  convergence.reference = "path tracing, <9> paths";
+  ConvergencePoint slow{"path tracing", "64 paths a pixel", 0, 0, {}, 64, 0, {{"paths", 8}}, {}, {}};
+  slow.error.relative_rms = .02;
+  ConvergencePoint fast = slow;
+  fast.wall_s["paths"] = 2;
+  fast.error.relative_rms = .01;
+  fast.setting = "faster & better";
+  convergence.points = {slow, fast};
+  convergence.advice = {{10, 1}};
+  report.convergences = {{convergence, "<svg>'plot'</svg>"}};
+  const std::string page = format_page(report);
+  EXPECT_TRUE(has(page, "<h2>Error against run time</h2>"));
+  EXPECT_TRUE(
+      has(page, "the nearest to the truth is path tracing at faster &amp; better: 1 % rms, in 2.0 s."));
+  EXPECT_FALSE(has(page, "64 paths a pixel")) << "a setting that is slower and worse";
+  EXPECT_TRUE(has(page, "path tracing, &lt;9&gt; paths"));
+  EXPECT_TRUE(has(page, "data:image/svg+xml,%3Csvg%3E%27plot%27%3C%2Fsvg%3E"));
+  EXPECT_FALSE(has(page, "<svg>'plot'"));
+}
+
 TEST(Report, says_whether_the_references_met_their_noise_target) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
   Report report = make_planted_report(planted);

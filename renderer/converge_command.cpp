@@ -1,0 +1,155 @@
+// equilux-render converge: what a minute buys, by every method.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/program.h"
+#include "renderer/commands.h"
+#include "renderer/converge.h"
+#include "renderer/converge_format.h"
+#include "renderer/converge_plot.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+struct ConvergeOptions {
+  fs::path input, out;
+  std::vector<std::string> conditions;
+  ConvergeParams params;
+  int width = 0, height = 0, positions = 0;
+  std::string most_vpls = "5M";
+  bool no_plot = false;
+};
+
+// A study brings its own size, emission, levels and exposure; a scene is taken as the studies here do.
+Study make_scene_study(const fs::path& path) {
+  Study study;
+  study.scene_path = path;
+  study.width = 280;
+  study.height = 210;
+  study.subpixel_positions = 2;
+  for (int level = 0; level < kClampLevelCount; ++level) study.clamp_levels.push_back(level);
+  return study;
+}
+
+Study load_input(const fs::path& path) {
+  const Json json = parse_json(load_text(path), path.string());
+  const Json* schema = json.find("schema");
+  const bool is_study = schema && schema->is_string() && schema->as_string() == "equilux-study";
+  return is_study ? load_study(path) : make_scene_study(path);
+}
+
+ConvergeParams make_converge_params(const ConvergeOptions& options, const Study& study, const Scene& scene) {
+  ConvergeParams params = options.params;
+  params.source = study.name.empty() ? scene.name : study.name;
+  params.width = options.width > 0 ? options.width : study.width;
+  params.height = options.height > 0 ? options.height : study.height;
+  params.positions = options.positions > 0 ? options.positions : study.subpixel_positions;
+  params.emission = study.emission;
+  params.exposure = study.exposure;
+  params.tone_key = study.tone_key;
+  params.pixels_per_degree = params.width / study.target_degrees_wide;
+  params.ladders.clamp_levels = study.clamp_levels;
+  const std::int64_t most = parse_vpl_count(options.most_vpls, "--most-vpls");
+  for (auto* counts : {&params.ladders.plain_counts, &params.ladders.cut_counts})
+    std::erase_if(*counts, [&](std::int64_t count) { return count > most; });
+  return params;
+}
+
+std::vector<Condition> parse_conditions(const std::vector<std::string>& keys) {
+  std::vector<Condition> conditions;
+  for (const std::string& key : keys) {
+    Condition condition = parse_condition(key, "--condition");
+    if (condition.cell.normalised)
+      throw InputError("--condition", "", "a level that is not normalised; converge shows both", key);
+    conditions.push_back(condition);
+  }
+  return conditions;
+}
+
+// Before hours of work: what the scene lacks, and where nothing can be written.
+void check_conditions(const Scene& scene, const std::vector<Condition>& conditions) {
+  for (const Condition& condition : conditions) {
+    const Object& object = condition.cell.column.object;
+    find_material(scene, object.material);
+    if (!scene.geometries.contains(object.geometry))
+      throw InputError("--condition", "", fmt::format("a geometry of {}", scene.path.string()),
+                       object.geometry);
+  }
+}
+
+void write_convergence(const Convergence& convergence, const ConvergeOptions& options) {
+  const auto file = [&](const char* extension) { return options.out / (convergence.condition + extension); };
+  save_convergence(convergence, file(".json"));
+  save_text(file(".csv"), format_convergence_csv(convergence));
+  save_text(file(".md"), format_convergence_page(convergence, convergence.condition + ".svg"));
+  if (!options.no_plot) {
+    draw_convergence(convergence, PlotFormat::kSvg, file(".svg"));
+    draw_convergence(convergence, PlotFormat::kPng, file(".png"));
+  }
+  fmt::print("{}: {}\n{}\n", convergence.condition, format_advice(convergence), file(".md").string());
+  std::fflush(stdout);
+}
+
+int run_converge(const ConvergeOptions& options) {
+  const std::vector<Condition> conditions = parse_conditions(options.conditions);
+  const Study study = load_input(options.input);
+  const Scene scene = load_scene(study.scene_path);
+  check_conditions(scene, conditions);
+  if (!options.no_plot) check_gnuplot();
+  make_folder(options.out);
+  for (const Condition& condition : conditions)
+    check_writable(options.out / (format_key(condition) + ".json"));
+  for (const Condition& condition : conditions) {
+    ConvergeParams params = make_converge_params(options, study, scene);
+    params.condition = condition;
+    write_convergence(measure_convergence(scene, params), options);
+  }
+  return kExitOk;
+}
+
+}  // namespace
+
+void add_converge(CLI::App& app, CommandLine& line) {
+  auto options = std::make_shared<ConvergeOptions>();
+  ConvergeParams& params = options->params;
+  CLI::App* converge =
+      app.add_subcommand("converge", "Measure error against run time of every method and setting");
+  converge->add_option("input", options->input, "Scene or study file")->required();
+  converge
+      ->add_option(
+          "--condition", options->conditions,
+          "Keys such as G0-MS-ind-100k-C4-v0: object and view, and the number of VPLs and the clamp\n"
+          "level of the curves that hold them fixed")
+      ->required();
+  converge
+      ->add_option("--out", options->out,
+                   "Folder for KEY.json, .csv, .md, .svg and .png; convergence/ in a study folder is "
+                   "shown by its report")
+      ->required();
+  converge->add_option("--width", options->width, "Pixels (a study's own; of a scene 280)")
+      ->check(CLI::Range(1, 16384));
+  converge->add_option("--height", options->height, "Pixels (a study's own; of a scene 210)")
+      ->check(CLI::Range(1, 16384));
+  converge->add_option("--positions", options->positions, "Subpixel positions (a study's own; of a scene 2)")
+      ->check(CLI::Range(1, 64));
+  converge->add_option("--seeds", params.seeds, "Pictures of each setting, seed by seed (4)")
+      ->check(CLI::Range(2, 1000));
+  converge->add_option("--budget", params.budget_s, "Longest time of a picture, seconds (60)")
+      ->check(is_in_range(0.01, 1e6));
+  converge->add_option("--seconds", params.asked_s, "Times for which advice is wanted (1 10 60)")
+      ->check(is_in_range(0.001, 1e6));
+  converge->add_option("--reference-paths", params.reference_paths, "Paths a pixel of the reference (8192)")
+      ->check(CLI::Range(1, 1 << 20));
+  converge->add_option("--most-vpls", options->most_vpls, "Of the curves over counts (5M)")->check(is_vpls());
+  converge->add_flag("--no-plot", options->no_plot, "Draw no plots; gnuplot is then not needed");
+  converge->add_option("--seed", params.seed, "First seed (1)")->check(is_seed());
+  add_machine(*converge, line);
+  converge->footer(
+      "Example: equilux-render converge stimuli/scenes/cafe.json --condition G0-MS-ind-100k-C4-v0 --out "
+      "convergence");
+  converge->callback([&line, options] { line.command = [options] { return run_converge(*options); }; });
+}
+
+}  // namespace equilux

@@ -1,0 +1,91 @@
+// Convergence files come back as they were, and what is said of them follows from the points.
+#include "stimuli/convergence.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+
+ConvergencePoint make_point(const char* series, double seconds, double rms) {
+  ConvergencePoint point;
+  point.series = series;
+  point.setting = "one";
+  point.wall_s = {{"shading", seconds * 0.75}, {"VPL tracing", seconds * 0.25}};
+  point.cpu_s = {{"shading", 2 * seconds}};
+  point.error.relative_rms = rms;
+  point.error.bias = -rms / 3;
+  point.error.flip = 0.25;
+  return point;
+}
+
+Convergence make_convergence() {
+  Convergence made;
+  made.source = "cafe";
+  made.condition = "G0-MS-ind-1k-C4-v0";
+  made.width = made.height = made.positions = made.threads = 2;
+  made.seeds = 3;
+  made.seed = 7;
+  made.isa = "v3";
+  made.host = "desk";
+  made.reference = "path tracing";
+  made.reference_mean = 0.5;
+  made.reference_rms = 0.01;
+  made.object_pixels = 3;
+  made.points = {make_point("b", 4, .1), make_point("a", 1, .2), make_point("b", 2, .3),
+                 make_point("b", 8, 0), make_point("a", 9, .05)};
+  made.points[1].vpls = 1000;
+  made.points[1].clamp_level = 0;
+  made.points[1].error_ratio = 0.0075;
+  made.slopes = {{"a", -0.5}};
+  made.parts = {{"clamping", "paths", .1, -.02, .001}};
+  made.advice = {{5, 0}, {.5, {}}};
+  return made;
+}
+
+TEST(ConvergenceFile, ComesBackAsItWas) {
+  const TempFolder folder;
+  const auto path = folder.path() / "x.json";
+  save_convergence(make_convergence(), path);
+  EXPECT_EQ(load_convergence(path), make_convergence());
+}
+
+TEST(ConvergenceFile, WithAdviceOfNoPointIsRefused) {
+  const TempFolder folder;
+  const auto path = folder.path() / "x.json";
+  Convergence made = make_convergence();
+  made.advice[0].point = 5;
+  save_convergence(made, path);
+  try {
+    load_convergence(path);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("/advice/0/point: expected one of 5 points, got 5"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Convergence, ListsSeriesInTheirOrderAndTheSettingsThatNoneBeats) {
+  const Convergence made = make_convergence();
+  EXPECT_EQ(list_series(made), (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(find_slope(made, "a"), -0.5);
+  EXPECT_FALSE(find_slope(made, "b"));
+  const auto frontier = find_frontier(made);
+  ASSERT_EQ(frontier.size(), 3u);
+  EXPECT_EQ(frontier[0], &made.points[1]);
+  EXPECT_EQ(frontier[1], &made.points[0]);
+  EXPECT_EQ(frontier[2], &made.points[4]);
+}
+
+TEST(Convergence, AdvisesInSentences) {
+  EXPECT_EQ(format_advice(make_convergence()),
+            "Within 5.0 s, the nearest to the truth is b at one: 10 % rms, in 4.0 s. No setting that was "
+            "measured takes under 0.5 s.");
+}
+
+}  // namespace
+}  // namespace equilux
