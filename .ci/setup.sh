@@ -5,7 +5,7 @@
 packages_build=(cmake ninja-build g++ pkg-config
   libembree-dev libtbb-dev libopenexr-dev libpng-dev libopenimageio-dev libassimp-dev libsqlite3-dev libssl-dev libboost-dev
   libfmt-dev libcli11-dev nlohmann-json3-dev libvalijson-dev
-  libglfw3-dev libimgui-dev libgl-dev libx11-dev libgl1-mesa-dri fonts-dejavu-core)
+  gnuplot-nox libglfw3-dev libimgui-dev libgl-dev libx11-dev libgl1-mesa-dri fonts-dejavu-core)
 # What the tests need beside it.
 packages_test=(libgtest-dev libgmock-dev libxtst-dev xvfb clang-format git python3)
 

@@ -22,6 +22,7 @@ void add_describe(CLI::App& app, CommandLine& line);
 void add_export(CLI::App& app, CommandLine& line);
 void add_sheet(CLI::App& app, CommandLine& line);
 void add_converge(CLI::App& app, CommandLine& line);
+void add_explain(CLI::App& app, CommandLine& line);
 
 /// The options --threads and --isa of a subcommand.
 void add_machine(CLI::App& subcommand, CommandLine& line);

@@ -1,13 +1,13 @@
 // equilux-render converge: what a minute buys, by every method.
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
 #include "renderer/commands.h"
 #include "renderer/converge.h"
 #include "renderer/converge_format.h"
 #include "renderer/converge_plot.h"
+#include "renderer/scene_or_study.h"
 
 namespace equilux {
 namespace {
@@ -22,27 +22,10 @@ struct ConvergeOptions {
   bool no_plot = false;
 };
 
-// A study brings its own size, emission, levels and exposure; a scene is taken as the studies here do.
-Study make_scene_study(const fs::path& path) {
-  Study study;
-  study.scene_path = path;
-  study.width = 280;
-  study.height = 210;
-  study.subpixel_positions = 2;
-  for (int level = 0; level < kClampLevelCount; ++level) study.clamp_levels.push_back(level);
-  return study;
-}
-
-Study load_input(const fs::path& path) {
-  const Json json = parse_json(load_text(path), path.string());
-  const Json* schema = json.find("schema");
-  const bool is_study = schema && schema->is_string() && schema->as_string() == "equilux-study";
-  return is_study ? load_study(path) : make_scene_study(path);
-}
-
-ConvergeParams make_converge_params(const ConvergeOptions& options, const Study& study, const Scene& scene) {
+ConvergeParams make_converge_params(const ConvergeOptions& options, const SceneOrStudy& input) {
   ConvergeParams params = options.params;
-  params.source = study.name.empty() ? scene.name : study.name;
+  const Study& study = input.study;
+  params.source = input.name();
   params.width = options.width > 0 ? options.width : study.width;
   params.height = options.height > 0 ? options.height : study.height;
   params.positions = options.positions > 0 ? options.positions : study.subpixel_positions;
@@ -55,28 +38,6 @@ ConvergeParams make_converge_params(const ConvergeOptions& options, const Study&
   for (auto* counts : {&params.ladders.plain_counts, &params.ladders.cut_counts})
     std::erase_if(*counts, [&](std::int64_t count) { return count > most; });
   return params;
-}
-
-std::vector<Condition> parse_conditions(const std::vector<std::string>& keys) {
-  std::vector<Condition> conditions;
-  for (const std::string& key : keys) {
-    Condition condition = parse_condition(key, "--condition");
-    if (condition.cell.normalised)
-      throw InputError("--condition", "", "a level that is not normalised; converge shows both", key);
-    conditions.push_back(condition);
-  }
-  return conditions;
-}
-
-// Before hours of work: what the scene lacks, and where nothing can be written.
-void check_conditions(const Scene& scene, const std::vector<Condition>& conditions) {
-  for (const Condition& condition : conditions) {
-    const Object& object = condition.cell.column.object;
-    find_material(scene, object.material);
-    if (!scene.geometries.contains(object.geometry))
-      throw InputError("--condition", "", fmt::format("a geometry of {}", scene.path.string()),
-                       object.geometry);
-  }
 }
 
 void write_convergence(const Convergence& convergence, const ConvergeOptions& options) {
@@ -93,18 +54,16 @@ void write_convergence(const Convergence& convergence, const ConvergeOptions& op
 }
 
 int run_converge(const ConvergeOptions& options) {
-  const std::vector<Condition> conditions = parse_conditions(options.conditions);
-  const Study study = load_input(options.input);
-  const Scene scene = load_scene(study.scene_path);
-  check_conditions(scene, conditions);
+  const SceneOrStudy input = load_scene_or_study(options.input);
+  const auto conditions = parse_scene_conditions(input.scene, options.conditions);
   if (!options.no_plot) check_gnuplot();
   make_folder(options.out);
   for (const Condition& condition : conditions)
     check_writable(options.out / (format_key(condition) + ".json"));
   for (const Condition& condition : conditions) {
-    ConvergeParams params = make_converge_params(options, study, scene);
+    ConvergeParams params = make_converge_params(options, input);
     params.condition = condition;
-    write_convergence(measure_convergence(scene, params), options);
+    write_convergence(measure_convergence(input.scene, params), options);
   }
   return kExitOk;
 }

@@ -13,7 +13,21 @@ namespace {
 struct FamilyJob {
   const FamilyScene& scene;
   BatchJob background, direct, indirect;
+  bool exact_direct;  // no light has an area: nothing is sampled
 };
+
+bool may_be_lit(const World& world, const PrimaryHit& hit) {
+  return world.may_be_lit(static_cast<std::size_t>(hit.point.object));
+}
+
+// Direct light without sampling, the same in every batch.
+void add_exact_direct(const FamilyJob& job, const PrimaryHit& hit, BatchSums& direct) {
+  if (!may_be_lit(job.scene.world, hit)) return;
+  PathSampler unused(RandomStream(job.direct.key, 0), false);
+  const Vec3 light =
+      estimate_direct(job.scene.world, job.scene.materials, hit.point, hit.v, unused, job.direct.measures);
+  for (LightSum& batch : direct) add_light(light, batch);
+}
 
 // What the camera sees without a bounce: a lamp, or the environment.
 void add_seen_light(const World& world, const PrimaryHit& hit, BatchSums& background) {
@@ -40,9 +54,13 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) 
       });
     };
     if (hit.kind == PrimaryKind::kObject) {
-      add(direct, job.direct, [&](PathSampler& sampler, const PathMeasures& measures) {
-        return estimate_direct(world, materials, hit.point, hit.v, sampler, measures);
-      });
+      if (job.exact_direct) {
+        add_exact_direct(job, hit, direct);
+      } else if (may_be_lit(world, hit)) {
+        add(direct, job.direct, [&](PathSampler& sampler, const PathMeasures& measures) {
+          return estimate_direct(world, materials, hit.point, hit.v, sampler, measures);
+        });
+      }
       add(indirect, job.indirect, [&](PathSampler& sampler, const PathMeasures& measures) {
         return estimate_reflected(world, materials, hit.point, hit.v, false, sampler, measures);
       });
@@ -112,11 +130,8 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
   const auto layer_job = [&](const char* layer, const PathMap& map) {
     return BatchJob{make_stream_key(seed, stream_name + "." + layer), map, measures};
   };
-  // Direct light is exact where no light has an area: then one path is enough.
-  const PathMap once(maps.direct.size(), 1);
-  const FamilyJob job{scene, layer_job("background", maps.background),
-                      layer_job("direct", has_extended_lights(scene.world) ? maps.direct : once),
-                      layer_job("indirect", maps.indirect)};
+  const FamilyJob job{scene, layer_job("background", maps.background), layer_job("direct", maps.direct),
+                      layer_job("indirect", maps.indirect), !has_extended_lights(scene.world)};
   const HdrImage empty(primary.width, primary.height);
   TracedLayers layers{{empty, empty}, {empty, empty}, {empty, empty}};
   // A strip is small enough to share work out evenly and large enough to keep the report of progress cheap.

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   add_export(app, line);
   add_sheet(app, line);
   add_converge(app, line);
+  add_explain(app, line);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -111,7 +111,8 @@ template <typename Light>
 Light estimate_lights(const World& world, const Shading& shading, const SurfacePoint& point,
                       PathSampler& sampler, const PathMeasures& measures) {
   Light sum;
-  for (const SpotLight& spot : world.spots()) sum += estimate_spot<Light>(world, shading, point, spot);
+  for (const std::uint32_t spot : world.spots_at(point.p))
+    sum += estimate_spot<Light>(world, shading, point, world.spots()[spot]);
   for (const RectangleLight& light : world.rectangles()) {
     const float u1 = sampler.next(), u2 = sampler.next();
     sum += estimate_rectangle<Light>(world, shading, point, light, u1, u2, measures);

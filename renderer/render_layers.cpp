@@ -1,4 +1,4 @@
-// The renderer's order of work: geometry and illumination, then view, then family or VPL count.
+// The renderer's order of work: geometry and illumination, then references by view, then VPL counts.
 #include "renderer/render_layers.h"
 
 #include "base/error.h"
@@ -92,7 +92,7 @@ void render_family(const GroupJob& job, const Primary& primary, const Family& fa
   job.store.save_record();
 }
 
-// The VPL layers of one geometry, illumination, view and VPL count: material -> clamp levels.
+// VPL layers wanted: material -> clamp levels.
 using LevelsByMaterial = std::map<std::string, std::set<int>>;
 
 Condition make_condition(const GroupKey& group, const std::string& material, std::int64_t vpl_count,
@@ -112,26 +112,66 @@ std::vector<int> all_levels(const LevelsByMaterial& wanted) {
   return {levels.begin(), levels.end()};
 }
 
-// One geometry, illumination, view and VPL count: what its VPL layers are made from.
+// What the camera sees of the object in a view, and the layers wanted of it.
+struct ViewJob {
+  int view = 0;
+  Primary primary;
+  std::vector<ShadingPoint> points;
+  std::map<std::int64_t, LevelsByMaterial> wanted;  // by VPL count
+};
+
+// One geometry, illumination and VPL count: what the VPL layers of its views are made from.
 struct VplJob {
   const GroupJob& group;
   const GroupKey& key;
-  int view;
-  const Primary& primary;
-  const std::vector<ShadingPoint>& points;
   std::int64_t vpl_count;
   std::int64_t paths;
-  const LevelsByMaterial& wanted;
+  std::vector<const ViewJob*> views;  // that want some of it
+
+  const LevelsByMaterial& wanted(const ViewJob& view) const { return view.wanted.at(vpl_count); }
 };
 
-VplSet trace_set(const VplJob& job, const std::string& material) {
-  const Stopwatch watch(job.group.seconds["VPL tracing"]);
-  const std::string stream =
-      fmt::format("vpls/{}/{}/{}", job.key.geometry, format_illumination(job.key.illumination),
-                  format_vpl_count(job.vpl_count));
-  return trace_vpls(job.group.world, materials_of(job.group, material), job.paths, job.group.study.seed,
-                    stream, job.group.study.emission);
+// Of all views.
+LevelsByMaterial find_wanted(const VplJob& job) {
+  LevelsByMaterial all;
+  for (const ViewJob* view : job.views) {
+    for (const auto& [material, levels] : job.wanted(*view))
+      all[material].insert(levels.begin(), levels.end());
+  }
+  return all;
 }
+
+// The VPLs of all materials, one after another: paths that never met the object are traced for the first
+// alone.
+class SharedVpls {
+ public:
+  explicit SharedVpls(const VplJob& job)
+      : job_(job),
+        stream_(fmt::format("vpls/{}/{}/{}", job.key.geometry, format_illumination(job.key.illumination),
+                            format_vpl_count(job.vpl_count))) {}
+
+  /// Those of this material alone; `shared` of the first.
+  VplSet trace(const std::string& material) {
+    const GroupJob& group = job_.group;
+    const Stopwatch watch(group.seconds["VPL tracing"]);
+    const Materials materials = materials_of(group, material);
+    const Emission emission = group.study.emission;
+    if (first_.paths == 0) {
+      VplSet set = trace_vpls(group.world, materials, job_.paths, group.study.seed, stream_, emission);
+      first_.paths = set.paths;
+      first_.met = set.met;
+      return set;
+    }
+    VplSet set;
+    set.own = trace_own_vpls(group.world, materials, first_, group.study.seed, stream_, emission);
+    return set;
+  }
+
+ private:
+  const VplJob& job_;
+  std::string stream_;
+  VplSet first_;  // its paths, without its VPLs
+};
 
 // Light of one of the materials that it was made for.
 struct LightPart {
@@ -145,16 +185,16 @@ struct MaterialLight {
   std::function<VplRecord(std::size_t)> record;
 };
 
-void save_vpl_layers(const VplJob& job, const std::string& material, const std::vector<int>& levels,
-                     const MaterialLight& light) {
+void save_vpl_layers(const VplJob& job, const ViewJob& view, const std::string& material,
+                     const std::vector<int>& levels, const MaterialLight& light) {
   const GroupJob& group = job.group;
   const Stopwatch watch(group.seconds["files"]);
   for (std::size_t level = 0; level < levels.size(); ++level) {
-    if (!job.wanted.at(material).contains(levels[level])) continue;
-    const Condition condition = make_condition(job.key, material, job.vpl_count, levels[level], job.view);
-    HdrImage layer(job.primary.width, job.primary.height);
+    if (!job.wanted(view).at(material).contains(levels[level])) continue;
+    const Condition condition = make_condition(job.key, material, job.vpl_count, levels[level], view.view);
+    HdrImage layer(view.primary.width, view.primary.height);
     for (const LightPart& part : light.parts)
-      add_to_layer(part.shaded, part.material, level, job.points, job.primary.positions, layer);
+      add_to_layer(part.shaded, part.material, level, view.points, view.primary.positions, layer);
     const VplRecord record = light.record(level);
     group.store.save(vpl_layer_name(condition), digest_vpl_recipe(group.recipes, condition), layer,
                      {{"equilux_clamp_per_m2", fmt::format("{}", clamp_per_m2(levels[level]))},
@@ -163,39 +203,55 @@ void save_vpl_layers(const VplJob& job, const std::string& material, const std::
   }
 }
 
-// All materials and levels in one pass over the VPLs.
-void render_plain_sums(const VplJob& job) {
+// The VPLs of all materials of a plain sum: few enough to hold them side by side.
+struct PlainVpls {
+  VplList shared;
+  std::map<std::string, VplList> own;
+};
+
+// All materials and levels of a view in one pass over the VPLs.
+void render_plain_sums(const VplJob& job, const ViewJob& view, const PlainVpls& vpls) {
   const GroupJob& group = job.group;
-  const std::vector<int> levels = all_levels(job.wanted);
+  const LevelsByMaterial& wanted = job.wanted(view);
+  const std::vector<int> levels = all_levels(wanted);
   const std::vector<double> clamps = clamps_of(levels);
-  std::vector<VplSet> sets;
   std::vector<Material> materials;
-  for (const auto& [material, some] : job.wanted) {
+  for (const auto& [material, some] : wanted)
     materials.push_back(make_material(find_material(group.scene, material)));
-    sets.push_back(trace_set(job, material));
-  }
-  const auto shade = [&](const VplList& vpls, const std::vector<Material>& of, double cost) {
+  const auto shade = [&](const VplList& list, const std::vector<Material>& of, double cost) {
     const Stopwatch watch(group.seconds["VPL shading"]);
-    return shade_all_vpls(group.world, job.points, vpls, of, clamps,
+    return shade_all_vpls(group.world, view.points, list, of, clamps,
                           [&](double pairs) { group.progress.advance(cost * pairs); });
   };
-  const ShadedPoints shared = shade(sets.front().shared, materials, kPairCost);
+  const ShadedPoints shared = shade(vpls.shared, materials, kPairCost);
   std::size_t index = 0;
-  for (const auto& [material, some] : job.wanted) {
-    const ShadedPoints own = shade(sets[index].own, {materials[index]}, 0);
-    Json vpls;
-    vpls.set("method", "plain sum").set("shadow_rays", shared.rays + own.rays);
-    const VplRecord record{sets[index].count(), std::move(vpls), {}};
-    save_vpl_layers(job, material, levels,
-                    {{{shared, index}, {own, 0}}, [&](std::size_t) { return record; }});
+  for (const auto& [material, some] : wanted) {
+    const VplList& list = vpls.own.at(material);
+    const ShadedPoints own = shade(list, {materials[index]}, 0);
+    Json record;
+    record.set("method", "plain sum").set("shadow_rays", shared.rays + own.rays);
+    const VplRecord told{static_cast<std::int64_t>(vpls.shared.size() + list.size()), std::move(record), {}};
+    save_vpl_layers(job, view, material, levels,
+                    {{{shared, index}, {own, 0}}, [&](std::size_t) { return told; }});
     ++index;
   }
 }
 
+void render_all_plain_sums(const VplJob& job) {
+  SharedVpls tracing(job);
+  PlainVpls vpls;
+  for (const auto& [material, some] : find_wanted(job)) {
+    VplSet set = tracing.trace(material);
+    if (vpls.own.empty()) vpls.shared = std::move(set.shared);
+    vpls.own[material] = std::move(set.own);
+  }
+  for (const ViewJob* view : job.views) render_plain_sums(job, *view, vpls);
+}
+
 // The luminance that a quarter of a displayed step stands for in the family of this material.
-double find_floor(const VplJob& job, const std::string& material) {
+double find_floor(const VplJob& job, const ViewJob& view, const std::string& material) {
   const GroupJob& group = job.group;
-  const Family family{{job.key.geometry, material, job.key.illumination}, job.view};
+  const Family family{{job.key.geometry, material, job.key.illumination}, view.view};
   const auto load = [&](const char* content) { return group.store.load(layer_name(family, content)); };
   const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect"),
                  coverage = load("coverage"), reference = composite({&background, &direct, &indirect});
@@ -207,69 +263,103 @@ double find_floor(const VplJob& job, const std::string& material) {
   return seen > 0 ? seen : floor(Exposure::kWhole);
 }
 
-// Each material by cuts of its own through a shared tree, at all levels of the study whatever is missing: so
-// that no layer depends on what it was made with.
-void render_lightcuts(const VplJob& job) {
+// The trees of one material.
+struct MaterialTrees {
+  const LightTree& shared;
+  const LightTree& own;
+  std::int64_t count;
+};
+
+// At all levels of the study whatever is missing: so that no layer depends on what it was made with.
+void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string& name,
+                      const MaterialTrees& trees) {
   const GroupJob& group = job.group;
   const std::vector<int>& levels = group.study.clamp_levels;
   const std::vector<double> clamps = clamps_of(levels);
-  const LightTreeParams tree_params{group.study.seed, 4};
+  const Material material = make_material(find_material(group.scene, name));
+  const auto advance = [&](double points) { group.progress.advance(kCutCost * points); };
+  const MeasuredCut cut =
+      shade_measured({group.world, view.points, {&trees.shared, &trees.own}, material, clamps, advance},
+                     {kErrorRatio, find_floor(job, view, name), group.study.certified}, group.study.seed);
+  group.seconds["VPL shading"] += cut.measures.seconds_cut;
+  group.seconds["measured error"] += cut.measures.seconds_measured;
+  save_vpl_layers(
+      job, view, name, levels,
+      {{{cut.shaded, 0}}, [&](std::size_t level) {
+         return VplRecord{trees.count, make_json(cut.measures, level), make_pool(cut.measures, level)};
+       }});
+}
+
+// Each material by cuts of its own through the shared tree and one of its own, both views through the same.
+void render_all_lightcuts(const VplJob& job) {
+  const LightTreeParams tree_params{job.group.study.seed, 4};
+  SharedVpls tracing(job);
   LightTree shared_tree;
-  for (const auto& [name, some] : job.wanted) {
-    const Material material = make_material(find_material(group.scene, name));
+  std::int64_t shared_count = -1;
+  for (const auto& [name, some] : find_wanted(job)) {
     LightTree own_tree;
     std::int64_t count = 0;
     with_vpl_memory(job.vpl_count, [&] {
-      VplSet set = trace_set(job, name);
-      count = set.count();
-      const Stopwatch watch(group.seconds["light trees"]);
-      if (shared_tree.empty()) shared_tree = make_light_tree(std::move(set.shared), tree_params);
+      VplSet set = tracing.trace(name);
+      const Stopwatch watch(job.group.seconds["light trees"]);
+      if (shared_count < 0) {
+        shared_count = static_cast<std::int64_t>(set.shared.size());
+        shared_tree = make_light_tree(std::move(set.shared), tree_params);
+      }
+      count = shared_count + static_cast<std::int64_t>(set.own.size());
       own_tree = make_light_tree(std::move(set.own), tree_params);
     });
-    const auto advance = [&](double points) { group.progress.advance(kCutCost * points); };
-    const MeasuredCut cut =
-        shade_measured({group.world, job.points, {&shared_tree, &own_tree}, material, clamps, advance},
-                       {kErrorRatio, find_floor(job, name), group.study.certified}, group.study.seed);
-    group.seconds["VPL shading"] += cut.measures.seconds_cut;
-    group.seconds["measured error"] += cut.measures.seconds_measured;
-    save_vpl_layers(
-        job, name, levels,
-        {{{cut.shaded, 0}}, [&](std::size_t level) {
-           return VplRecord{count, make_json(cut.measures, level), make_pool(cut.measures, level)};
-         }});
+    for (const ViewJob* view : job.views) {
+      if (job.wanted(*view).contains(name))
+        render_lightcuts(job, *view, name, {shared_tree, own_tree, count});
+    }
   }
 }
 
 void render_vpl_layers(const VplJob& job) {
   if (is_summed_plainly(job.vpl_count)) {
-    render_plain_sums(job);
+    render_all_plain_sums(job);
   } else {
-    render_lightcuts(job);
+    render_all_lightcuts(job);
   }
   job.group.store.save_record();
 }
 
-void render_view(const GroupJob& job, const GroupKey& group, const MissingLayers& missing, int view,
-                 std::map<std::int64_t, std::int64_t>& path_counts) {
-  std::map<std::int64_t, LevelsByMaterial> by_count;
+// A view's families, whose references its cuts need.
+ViewJob open_view(const GroupJob& job, const MissingLayers& missing, int view) {
+  ViewJob opened;
+  opened.view = view;
+  std::vector<Family> families;
   for (const Condition& condition : missing.conditions) {
     if (condition.view != view) continue;
     const Column& column = condition.cell.column;
-    by_count[column.vpl_count][column.object.material].insert(condition.cell.clamp_level);
+    opened.wanted[column.vpl_count][column.object.material].insert(condition.cell.clamp_level);
   }
-  std::vector<Family> families;
   for (const Family& family : missing.families) {
     if (family.view == view) families.push_back(family);
   }
-  if (by_count.empty() && families.empty()) return;
-  const Primary primary = trace_primary(job.world, make_view_camera(job.scene, view), job.study.width,
-                                        job.study.height, job.study.subpixel_positions);
-  const auto points = find_shading_points(primary);
-  for (const Family& family : families) render_family(job, primary, family);
-  for (const auto& [vpl_count, wanted] : by_count) {
-    const auto [paths, added] = path_counts.try_emplace(vpl_count, 0);
-    if (added) paths->second = find_path_count(job.world, vpl_count, job.study.seed);
-    render_vpl_layers({job, group, view, primary, points, vpl_count, paths->second, wanted});
+  if (opened.wanted.empty() && families.empty()) return opened;
+  opened.primary = trace_primary(job.world, make_view_camera(job.scene, view), job.study.width,
+                                 job.study.height, job.study.subpixel_positions);
+  opened.points = find_shading_points(opened.primary);
+  for (const Family& family : families) render_family(job, opened.primary, family);
+  return opened;
+}
+
+// References of all views, then VPL count by count: the views share VPLs and trees.
+void render_group(const GroupJob& job, const GroupKey& key, const MissingLayers& missing) {
+  std::vector<ViewJob> views;
+  std::set<std::int64_t> counts;
+  for (int view = 0; view < kViewCount; ++view) {
+    views.push_back(open_view(job, missing, view));
+    for (const auto& [count, wanted] : views.back().wanted) counts.insert(count);
+  }
+  for (const std::int64_t count : counts) {
+    std::vector<const ViewJob*> wanting;
+    for (const ViewJob& view : views) {
+      if (view.wanted.contains(count)) wanting.push_back(&view);
+    }
+    render_vpl_layers({job, key, count, find_path_count(job.world, count, job.study.seed), wanting});
   }
 }
 
@@ -293,8 +383,7 @@ std::map<std::string, double> render_layers(const Recipes& recipes, const Scene&
   Progress progress("rendering", work);
   for (const auto& [key, group] : groups) {
     const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds};
-    std::map<std::int64_t, std::int64_t> path_counts;
-    for (int view = 0; view < kViewCount; ++view) render_view(job, key, group, view, path_counts);
+    render_group(job, key, group);
     worlds.erase(key);
   }
   return seconds;

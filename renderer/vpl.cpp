@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -82,24 +83,46 @@ void add_vpl(VplSet& set, const SurfacePoint& point, const Material& material, V
   if (vpl.intensity != Vec3{} || vpl.gloss() >= 0) list.vpls.push_back(vpl);
 }
 
-void trace_path(const PathParams& params, PathSampler sampler, VplSet& set) {
+// True if it met an object.
+bool trace_path(const PathParams& params, PathSampler sampler, VplSet& set) {
   const auto emitted = sample_emission(params.world, sampler);
-  if (!emitted) return;
+  if (!emitted) return false;
   Particle particle{emitted->origin, emitted->direction, emitted->weight * params.share, false};
   while (max_component(particle.weight) > 0) {
     const auto hit = params.world.intersect(particle.origin, particle.direction);
     const Vec3 wi = -particle.direction;
-    if (!hit || !(dot(hit->ns, wi) > 0)) return;
+    if (!hit || !(dot(hit->ns, wi) > 0)) break;
     particle.met_object = particle.met_object || hit->is_object();
     const Material& material = params.materials[hit->material];
     add_vpl(set, *hit, material, wi, particle, params.emission);
     const Vec3 before = particle.weight;
     const auto wo = sample_particle(material, *hit, wi, sampler, particle.weight);
-    if (!wo || !survives(before, particle.weight, sampler)) return;
+    if (!wo || !survives(before, particle.weight, sampler)) break;
     particle.origin = hit->origin();
     particle.direction = *wo;
   }
+  return particle.met_object;
 }
+
+// Where the random numbers of a set's paths come from.
+class PathTracing {
+ public:
+  PathTracing(const PathParams& params, std::uint64_t seed, const std::string& stream_name)
+      : params_(params), key_(make_stream_key(seed, stream_name)) {
+    RandomStream shared(seed, stream_name + ".shift", 0);
+    shift_ = draw_shift(shared);
+  }
+
+  // Compiled once: two copies may round otherwise.
+  [[gnu::noinline, gnu::noclone]] bool trace(std::size_t path, VplSet& set) const {
+    return trace_path(params_, PathSampler(shift_, path, RandomStream(key_, path)), set);
+  }
+
+ private:
+  PathParams params_;
+  StreamKey key_;
+  LatticePoint shift_{};
+};
 
 void check_finite(const VplList& list) {
   auto bad = std::count_if(list.vpls.begin(), list.vpls.end(),
@@ -193,21 +216,38 @@ Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo) {
 VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
                   const std::string& stream_name, Emission emission) {
   EQ_CHECK(paths > 0, paths);
-  const StreamKey key = make_stream_key(seed, stream_name);
-  RandomStream shared(seed, stream_name + ".shift", 0);
-  const LatticePoint shift = draw_shift(shared);
+  if (paths > std::numeric_limits<std::uint32_t>::max())
+    throw InputError("VPLs", "", "at most 2^32 paths", std::to_string(paths));
+  const PathTracing tracing({world, materials, emission, 1.0f / static_cast<float>(paths)}, seed,
+                            stream_name);
   const auto count = static_cast<std::size_t>(paths);
-  const PathParams params{world, materials, emission, 1.0f / static_cast<float>(paths)};
   std::vector<VplSet> blocks((count + kPathsPerBlock - 1) / kPathsPerBlock);
   for_each_parallel(blocks.size(), [&](std::size_t block) {
     const std::size_t last = std::min(count, (block + 1) * kPathsPerBlock);
-    for (std::size_t i = block * kPathsPerBlock; i < last; ++i)
-      trace_path(params, PathSampler(shift, i, RandomStream(key, i)), blocks[block]);
+    for (std::size_t i = block * kPathsPerBlock; i < last; ++i) {
+      if (tracing.trace(i, blocks[block])) blocks[block].met.push_back(static_cast<std::uint32_t>(i));
+    }
   });
   VplSet set{join_lists(blocks, &VplSet::shared), join_lists(blocks, &VplSet::own), paths};
+  for (const VplSet& block : blocks) set.met.insert(set.met.end(), block.met.begin(), block.met.end());
   check_finite(set.shared);
   check_finite(set.own);
   return set;
+}
+
+VplList trace_own_vpls(const World& world, const Materials& materials, const VplSet& set, std::uint64_t seed,
+                       const std::string& stream_name, Emission emission) {
+  const PathTracing tracing({world, materials, emission, 1.0f / static_cast<float>(set.paths)}, seed,
+                            stream_name);
+  std::vector<VplSet> blocks((set.met.size() + kPathsPerBlock - 1) / kPathsPerBlock);
+  for_each_parallel(blocks.size(), [&](std::size_t block) {
+    const std::size_t last = std::min(set.met.size(), (block + 1) * kPathsPerBlock);
+    for (std::size_t i = block * kPathsPerBlock; i < last; ++i) tracing.trace(set.met[i], blocks[block]);
+    blocks[block].shared = {};
+  });
+  VplList own = join_lists(blocks, &VplSet::own);
+  check_finite(own);
+  return own;
 }
 
 std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed) {

@@ -70,6 +70,7 @@ struct VplSet {
   VplList shared;
   VplList own;
   std::int64_t paths = 0;
+  std::vector<std::uint32_t> met = {};  ///< paths that met an object, rising
 
   std::int64_t count() const { return static_cast<std::int64_t>(shared.size() + own.size()); }
 };
@@ -91,5 +92,10 @@ void with_vpl_memory(std::int64_t count, const std::function<void()>& body);
 /// not finite, and for more glossy ones than Vpl::kMostGloss
 VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t paths, std::uint64_t seed,
                   const std::string& stream_name, Emission emission = Emission::kLambertian);
+
+/// The `own` part of trace_vpls for other materials of the objects, from the paths of a set that met one: the
+/// same as tracing all again. errors: as trace_vpls
+VplList trace_own_vpls(const World& world, const Materials& materials, const VplSet& set, std::uint64_t seed,
+                       const std::string& stream_name, Emission emission = Emission::kLambertian);
 
 }  // namespace equilux

@@ -60,6 +60,15 @@ void attach_part(RTCDevice device, RTCScene scene, const Part& part) {
   check_device(device);
 }
 
+Box find_box(const TriangleMesh& mesh) {
+  Box box{mesh.positions.front(), mesh.positions.front()};
+  for (const Vec3 p : mesh.positions) {
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  }
+  return box;
+}
+
 Part make_emitter_part(const RectangleLight& light, std::int32_t index, std::uint32_t material) {
   Part part;
   part.mesh = {
@@ -144,6 +153,8 @@ void flush_denormals() {
 // Puts parts and lights into a world, then commits it.
 class WorldBuilder {
  public:
+  explicit WorldBuilder(const WorldParams& params) : params_(params) {}
+
   void add_object(const Scene& scene, const std::string& geometry) {
     const auto index = static_cast<std::uint32_t>(world_.objects_.size());
     parts().push_back({make_object(scene, geometry), index, static_cast<std::int32_t>(index), -1});
@@ -198,18 +209,42 @@ class WorldBuilder {
     world_.center_ = low * 0.5f + high * 0.5f;
     // A little larger than the box's own, so that rounding leaves no surface outside.
     world_.radius_ = 0.5001f * length(high - low);
+    find_reach({low, high});
     return std::move(world_);
   }
 
  private:
   std::vector<Part>& parts() { return world_.impl_->parts; }
 
+  void find_reach(const Box& box) {
+    constexpr std::size_t kMany = 256;  // spots, of which a fine grid would take long
+    const SpotLight everywhere{{}, {0, 0, 1}, -1, -1, {}};
+    world_.spot_grid_ = params_.leave_out_lights
+                            ? SpotGrid(world_.spots_, box, world_.spots_.size() > kMany ? 8 : 16)
+                            : SpotGrid(std::vector(world_.spots_.size(), everywhere), box, 1);
+    // The objects' parts come first.
+    for (std::size_t object = 0; object < world_.objects_.size(); ++object)
+      world_.lit_objects_.push_back(!params_.leave_out_lights || is_reached(parts()[object].mesh));
+  }
+
+  bool is_reached(const TriangleMesh& object) const {
+    const Box box = find_box(object);
+    return world_.environment_ != Vec3{} ||
+           std::any_of(
+               world_.spots_.begin(), world_.spots_.end(),
+               [&](const SpotLight& spot) { return may_reach(spot, box) && may_reach(spot, object); }) ||
+           std::any_of(world_.rectangles_.begin(), world_.rectangles_.end(),
+                       [&](const RectangleLight& light) { return may_reach(light, box); });
+  }
+
+  WorldParams params_;
   World world_;
   std::map<std::string, std::uint32_t> indices_;
 };
 
-World make_world(const Scene& scene, const std::string& geometry, Illumination illumination) {
-  WorldBuilder builder;
+World make_world(const Scene& scene, const std::string& geometry, Illumination illumination,
+                 const WorldParams& params) {
+  WorldBuilder builder(params);
   builder.add_object(scene, geometry);
   builder.add_instances(scene);
   for (const Sculpture& sculpture : scene.sculptures) {
@@ -220,10 +255,10 @@ World make_world(const Scene& scene, const std::string& geometry, Illumination i
   return builder.commit();
 }
 
-World make_sculpture_world(const Scene& scene, Illumination illumination) {
+World make_sculpture_world(const Scene& scene, Illumination illumination, const WorldParams& params) {
   if (scene.sculptures.empty())
     throw InputError(scene.path.string(), "/", "a scene with sculptures", "one with an object");
-  WorldBuilder builder;
+  WorldBuilder builder(params);
   for (const Sculpture& sculpture : scene.sculptures) builder.add_object(scene, sculpture.name);
   builder.add_instances(scene);
   builder.add_lights(scene, illumination);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/light_reach.h"
 #include "renderer/material.h"
 #include "stimuli/scene.h"
 
@@ -94,6 +95,9 @@ class World {
   std::size_t count_visible(const std::vector<ShadowRay>& rays, OcclusionQuery query) const;
 
   const std::vector<SpotLight>& spots() const { return spots_; }
+  /// Indices of the spots whose cones may hold a point, rising. None of the others does.
+  std::span<const std::uint32_t> spots_at(Vec3 p) const { return spot_grid_.at(p); }
+  const SpotGrid& spot_grid() const { return spot_grid_; }
   const std::vector<RectangleLight>& rectangles() const { return rectangles_; }
   /// Radiance that comes from where no surface is; black without an environment.
   Vec3 environment() const { return environment_; }
@@ -102,6 +106,9 @@ class World {
   float radius() const { return radius_; }
   /// What VPLs light: the one object by its geometry, or every sculpture by its name.
   const std::vector<std::string>& objects() const { return objects_; }
+  /// False only if no light can reach the object: no cone holds a part of any of its triangles, and its box
+  /// lies behind every rectangle. Whatever stands between is not asked.
+  bool may_be_lit(std::size_t object) const { return lit_objects_[object]; }
   const std::vector<MaterialSpec>& room_materials() const { return room_materials_; }
   std::size_t triangle_count() const;
 
@@ -116,17 +123,24 @@ class World {
   Vec3 environment_;
   Vec3 center_;
   float radius_ = 0;
+  SpotGrid spot_grid_;
   std::vector<std::string> objects_;
+  std::vector<bool> lit_objects_;
   std::vector<MaterialSpec> room_materials_;  ///< index: SurfacePoint::material - objects_.size()
+};
+
+struct WorldParams {
+  bool leave_out_lights = true;  ///< else every point asks every spot, and every object counts as lit
 };
 
 /// Makes only what this geometry and illumination need: other geometries and lights that are off are left
 /// out. Where the scene has sculptures, the one of this name is the object and the others belong to the room.
 /// errors: InputError for a geometry that the scene lacks or a mesh that cannot be read.
-World make_world(const Scene& scene, const std::string& geometry, Illumination illumination);
+World make_world(const Scene& scene, const std::string& geometry, Illumination illumination,
+                 const WorldParams& params = {});
 
 /// Every sculpture is an object, in the scene's order. errors: InputError if the scene has none.
-World make_sculpture_world(const Scene& scene, Illumination illumination);
+World make_sculpture_world(const Scene& scene, Illumination illumination, const WorldParams& params = {});
 
 /// The world's materials with the objects' in their places. shape: object_materials as world.objects()
 using Materials = std::vector<Material>;

@@ -68,6 +68,25 @@ TEST(Vpls, PathsThatNeverMetTheObjectAreTheSameForEveryMaterial) {
   EXPECT_GT(grey.own.size(), 10u);
 }
 
+TEST(Vpls, OfTheObjectComeFromThePathsThatMetItAsIfAllWereTraced) {
+  const Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
+  const World world = make_world(scene, "G2", Illumination::kDirectAndIndirect);
+  const auto trace = [&](const char* material, Emission emission) {
+    return trace_vpls(world, make_materials(world, find_material(scene, material)), 20000, 3, "vpls",
+                      emission);
+  };
+  for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
+    const VplSet first = trace("GS", emission), whole = trace("MS", emission);
+    EXPECT_EQ(first.met, whole.met);
+    EXPECT_LT(first.met.size(), 20000u / 2);
+    EXPECT_GT(first.met.size(), 100u);
+    const VplList own =
+        trace_own_vpls(world, make_materials(world, find_material(scene, "MS")), first, 3, "vpls", emission);
+    EXPECT_EQ(own, whole.own);
+    EXPECT_NE(own, first.own);
+  }
+}
+
 TEST(Vpls, TheSameSeedGivesTheSameVplsOnAnyNumberOfThreads) {
   const Scene scene = floating_ball();
   const World world = make_world(scene, "G0", Illumination::kIndirect);
