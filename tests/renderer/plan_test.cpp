@@ -196,10 +196,11 @@ TEST(Omission, OfTheTreeIsTheSumThatCutsAreHeldTo) {
     ASSERT_NEAR(luminance(cut[i]), luminance(sum[i]), 2e-5 * luminance(sum[i])) << i;
 }
 
-// Rays that end where the asked clamp takes nothing, and rays that go on for a level that nobody needs.
+// Rays that end where the asked clamp takes nothing, and rays that go on for a level that nobody needs. One
+// path a batch: what a path draws moves the draws of those after it.
 TEST(Omission, OfLongCompensationRaysKeepsEveryBit) {
   const Stage stage(load_cafe(), "G2", "LG", Illumination::kIndirect);
-  const PathMap map(stage.primary.hits.size() / 2, 4);
+  const PathMap map(stage.primary.hits.size() / 2, 1);
   const auto trace = [&](std::vector<double> clamps) {
     return trace_compensation(stage.family(), map, {std::move(clamps), Emission::kFull, 1, "plan-test", {}},
                               [](double) {})[0];
