@@ -36,6 +36,12 @@ class RandomStream {
   RandomStream(std::uint64_t seed, std::string_view what, std::uint64_t index)
       : RandomStream(make_stream_key(seed, what), index) {}
 
+  /// Goes on at a place of the stream, four draws of 32 bits a block.
+  void skip_to_block(std::uint32_t block) {
+    counter_[0] = block;
+    used_ = 4;
+  }
+
   std::uint32_t next_u32();
   std::uint64_t next_u64();
   /// Uniform in [0, 1), 24 bits.

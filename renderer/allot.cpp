@@ -11,7 +11,7 @@ namespace {
 // not. The spread that 16 batches show errs by a sixth, which lifts the percentile of what is measured above
 // that of what is meant.
 constexpr double kMarginOfMean = 0.97;
-constexpr double kMarginOfPercentile = 0.45;
+constexpr double kMarginOfPercentile = 0.4;
 // Smoothing: over near pixels of a kind, and never far below what a pixel itself shows, or its wider
 // surroundings, where a rare bright path may yet come.
 constexpr int kNear = 2, kWide = 8;

@@ -77,6 +77,45 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) 
   store(indirect, primary.positions, layers.indirect, pixel);
 }
 
+struct BackgroundJob {
+  const World& world;
+  std::span<const Materials> materials;
+  const Primary& primary;
+  const BatchJob& batches;
+};
+
+// Gives the paths traced, each once for all materials.
+double trace_background_pixel(const BackgroundJob& job, std::size_t pixel, std::vector<TracedLayer>& layers) {
+  const auto positions = static_cast<std::uint64_t>(job.primary.positions);
+  std::vector<BatchSums> sums(layers.size());
+  std::vector<Vec3> light(layers.size());
+  double traced = 0;
+  for (std::uint64_t position = 0; position < positions; ++position) {
+    const PrimaryHit& hit = job.primary.at(pixel, static_cast<int>(position));
+    if (hit.kind == PrimaryKind::kHidden || hit.kind == PrimaryKind::kObject) continue;
+    if (hit.kind == PrimaryKind::kNothing || hit.point.emitter >= 0) {
+      for (BatchSums& sum : sums) add_seen_light(job.world, hit, sum);
+      continue;
+    }
+    add_batches(sums, job.batches, pixel, pixel * positions + position,
+                [&](PathSampler& sampler, auto& batch) {
+                  estimate_reflected_by_material(job.world, job.materials, hit.point, hit.v, sampler,
+                                                 job.batches.measures, light);
+                  for (std::size_t i = 0; i < light.size(); ++i) add_light(light[i], batch[i]);
+                });
+    traced += double{kBatches} * job.batches.map[pixel];
+  }
+  for (std::size_t i = 0; i < layers.size(); ++i) store(sums[i], job.primary.positions, layers[i], pixel);
+  return traced;
+}
+
+// A strip is small enough to share work out evenly and large enough to keep the report of progress cheap.
+void for_each_strip(std::size_t pixels, const std::function<void(std::size_t, std::size_t)>& body) {
+  constexpr std::size_t kStrip = 64;
+  for_each_parallel((pixels + kStrip - 1) / kStrip,
+                    [&](std::size_t strip) { body(strip * kStrip, std::min(pixels, (strip + 1) * kStrip)); });
+}
+
 // Paths of the direct and the indirect layer at an object's position, or of the background at the room's.
 double count_paths_of_pixels(const Primary& primary, const PathMaps& maps, std::size_t first,
                              std::size_t last) {
@@ -92,6 +131,28 @@ double count_paths_of_pixels(const Primary& primary, const PathMaps& maps, std::
 }
 
 }  // namespace
+
+StreamKey make_background_key(std::uint64_t seed, const std::string& stream_name) {
+  return make_stream_key(seed, stream_name + ".background");
+}
+
+std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const Materials> materials,
+                                           const Primary& primary, const BatchJob& job,
+                                           const std::function<void(double)>& progress) {
+  const HdrImage empty(primary.width, primary.height);
+  std::vector<TracedLayer> layers(materials.size(), {empty, empty});
+  const BackgroundJob background{world, materials, primary, job};
+  for_each_strip(empty.pixel_count(), [&](std::size_t first, std::size_t last) {
+    double traced = 0;
+    for (std::size_t pixel = first; pixel < last; ++pixel)
+      traced += trace_background_pixel(background, pixel, layers);
+    progress(traced);
+  });
+  std::vector<const TracedLayer*> all;
+  for (const TracedLayer& layer : layers) all.push_back(&layer);
+  check_finite(all, "background");
+  return layers;
+}
 
 void check_finite(const std::vector<const TracedLayer*>& layers, const std::string& name) {
   std::size_t bad = 0;
@@ -134,11 +195,7 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
                       layer_job("indirect", maps.indirect), !has_extended_lights(scene.world)};
   const HdrImage empty(primary.width, primary.height);
   TracedLayers layers{{empty, empty}, {empty, empty}, {empty, empty}};
-  // A strip is small enough to share work out evenly and large enough to keep the report of progress cheap.
-  constexpr std::size_t kStrip = 64;
-  const std::size_t pixels = empty.pixel_count();
-  for_each_parallel((pixels + kStrip - 1) / kStrip, [&](std::size_t strip) {
-    const std::size_t first = strip * kStrip, last = std::min(pixels, first + kStrip);
+  for_each_strip(empty.pixel_count(), [&](std::size_t first, std::size_t last) {
     for (std::size_t pixel = first; pixel < last; ++pixel) trace_pixel(job, pixel, layers);
     progress(count_paths_of_pixels(primary, maps, first, last));
   });

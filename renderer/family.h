@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,16 @@ struct FamilyScene {
 TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::uint64_t seed,
                           const std::string& stream_name, const PathMeasures& measures,
                           const std::function<void(double)>& progress);
+
+/// What is seen of the room beside an object of several materials, a layer for each: the room's light depends
+/// on the object alone where a path meets it, so that paths are shared up to there. Each layer is the one
+/// that its material has by itself. errors and `progress` as trace_layers
+std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const Materials> materials,
+                                           const Primary& primary, const BatchJob& job,
+                                           const std::function<void(double)>& progress);
+
+/// Where the random numbers of that layer come from.
+StreamKey make_background_key(std::uint64_t seed, const std::string& stream_name);
 
 /// A picture with a value that is not finite fails as a whole: none is ever set to zero. errors: InputError
 /// naming what was made, with their number.

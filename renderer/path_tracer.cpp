@@ -160,6 +160,54 @@ float survival_of(int depth, Vec3 weight, const PathMeasures& measures) {
   return measures.roulette ? std::min(kLargestSurvival, max_component(weight)) : kLargestSurvival;
 }
 
+// A path on its way.
+struct PathState {
+  SurfacePoint point;
+  Vec3 v;
+  Vec3 sum{}, throughput{1, 1, 1};
+  int depth = 0;
+  bool is_at_object = false;  // it has just met one, and was told to wait there
+};
+
+struct Walk {
+  const World& world;
+  const Materials& materials;
+  bool with_direct;
+  bool waits_at_object;
+  const PathMeasures& measures;
+};
+
+// Adds what the path brings until it ends, or until it has to wait. Compiled once: two copies may round
+// otherwise.
+[[gnu::noinline, gnu::noclone]] void walk(const Walk& job, PathState& path, PathSampler& sampler) {
+  path.is_at_object = false;
+  for (;; ++path.depth) {
+    const bool counts = job.with_direct || path.depth > 0;
+    const Shading shading(job.materials, path.point, path.v);
+    if (counts)
+      path.sum +=
+          path.throughput * estimate_lights<Vec3>(job.world, shading, path.point, sampler, job.measures);
+    const auto step = sample_step(shading, path.point, sampler);
+    if (!step) return;
+    path.throughput *= step->weight;
+    const float survival = survival_of(path.depth, step->weight, job.measures);
+    if (!(survival > 0) || sampler.next() >= survival) return;
+    path.throughput = path.throughput / survival;
+    const auto hit = job.world.intersect(path.point.origin(), step->direction);
+    if (is_light(hit)) {
+      if (counts)
+        path.sum += path.throughput * weigh_emitter(job.world, shading, path.point, *step, hit, job.measures);
+      return;
+    }
+    path.v = -step->direction;
+    path.point = *hit;
+    if (!job.waits_at_object || !hit->is_object()) continue;
+    path.is_at_object = true;
+    ++path.depth;
+    return;
+  }
+}
+
 // All light that a surface reflects, part by part.
 Parts estimate_parts(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
                      PathSampler& sampler, const PathMeasures& measures) {
@@ -194,25 +242,21 @@ Vec3 estimate_direct(const World& world, const Materials& materials, const Surfa
 
 Vec3 estimate_reflected(const World& world, const Materials& materials, const SurfacePoint& first,
                         Vec3 first_v, bool with_direct, PathSampler& sampler, const PathMeasures& measures) {
-  Vec3 sum, throughput{1, 1, 1};
-  SurfacePoint point = first;
-  Vec3 v = first_v;
-  for (int depth = 0;; ++depth) {
-    const bool counts = with_direct || depth > 0;
-    const Shading shading(materials, point, v);
-    if (counts) sum += throughput * estimate_lights<Vec3>(world, shading, point, sampler, measures);
-    const auto step = sample_step(shading, point, sampler);
-    if (!step) return sum;
-    throughput *= step->weight;
-    const float survival = survival_of(depth, step->weight, measures);
-    if (!(survival > 0) || sampler.next() >= survival) return sum;
-    throughput = throughput / survival;
-    const auto hit = world.intersect(point.origin(), step->direction);
-    if (is_light(hit)) {
-      return counts ? sum + throughput * weigh_emitter(world, shading, point, *step, hit, measures) : sum;
-    }
-    v = -step->direction;
-    point = *hit;
+  PathState path{first, first_v};
+  walk({world, materials, with_direct, false, measures}, path, sampler);
+  return path.sum;
+}
+
+void estimate_reflected_by_material(const World& world, std::span<const Materials> materials,
+                                    const SurfacePoint& first, Vec3 first_v, PathSampler& sampler,
+                                    const PathMeasures& measures, std::span<Vec3> sums) {
+  PathState common{first, first_v};
+  walk({world, materials[0], true, materials.size() > 1, measures}, common, sampler);
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    PathState path = common;
+    PathSampler own = sampler;
+    if (common.is_at_object) walk({world, materials[i], true, false, measures}, path, own);
+    sums[i] = path.sum;
   }
 }
 

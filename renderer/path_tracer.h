@@ -1,6 +1,8 @@
 // Path tracing with next-event estimation: the light that one point reflects to one side.
 #pragma once
 
+#include <span>
+
 #include "renderer/sampler.h"
 #include "renderer/world.h"
 
@@ -20,6 +22,13 @@ Vec3 estimate_direct(const World& world, const Materials& materials, const Surfa
 /// Radiance reflected at `point` towards v; without `with_direct` only what comes by way of other surfaces.
 Vec3 estimate_reflected(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
                         bool with_direct, PathSampler& sampler, const PathMeasures& measures = {});
+
+/// All light reflected at a point of the room, for several materials of the objects at once: each sum is that
+/// of estimate_reflected with that material, bit for bit. A path is walked once until it meets an object.
+/// shape: sums as materials
+void estimate_reflected_by_material(const World& world, std::span<const Materials> materials,
+                                    const SurfacePoint& point, Vec3 v, PathSampler& sampler,
+                                    const PathMeasures& measures, std::span<Vec3> sums);
 
 /// What VPLs lack of the light that a path brings to a point.
 struct ReturnedLight {

@@ -19,7 +19,7 @@ namespace {
 struct PictureScene {
   World world;
   Materials materials;
-  std::string stream_name;
+  std::string stream_name, background_stream_name;
   Primary primary;
 };
 
@@ -36,6 +36,7 @@ PictureScene make_all_sculptures(const Scene& scene, const PictureParams& params
   return {std::move(world),
           std::move(materials),
           fmt::format("sculptures-{}-v{}", illumination, params.view),
+          fmt::format("sculptures-{}-v{}", illumination, params.view),
           {}};
 }
 
@@ -46,7 +47,7 @@ PictureScene make_one_object(const Scene& scene, const PictureParams& params) {
   Materials materials = make_materials(world, find_material(scene, material));
   // A set's own, so that its reference is this picture.
   const Family family{{geometry, material, params.illumination}, params.view};
-  return {std::move(world), std::move(materials), format_key(family), {}};
+  return {std::move(world), std::move(materials), format_key(family), name_background_stream(family), {}};
 }
 
 PictureScene make_picture_scene(const PictureParams& params) {
@@ -166,7 +167,7 @@ void shade_sets(const PictureScene& scene, const PictureParams& params, Picture&
   }
 }
 
-ReferenceParams make_params(const PictureParams& params, const std::string& stream_name) {
+ReferenceParams make_params(const PictureParams& params, const PictureScene& scene) {
   ReferenceParams reference;
   if (params.noise_target) {
     reference.target = *params.noise_target;
@@ -174,35 +175,36 @@ ReferenceParams make_params(const PictureParams& params, const std::string& stre
     reference.fixed = params.paths;
   }
   reference.seed = params.seed;
-  reference.stream_name = stream_name;
+  reference.stream_name = scene.stream_name;
+  reference.background_stream_name = scene.background_stream_name;
   return reference;
 }
 
 // The room, then each object by itself; gives the standard error of their sum.
 HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& params, Picture& picture) {
-  const ReferenceParams reference = make_params(params, scene.stream_name);
-  Progress progress("path tracing", estimate_family_paths(reference, scene.primary));
+  const ReferenceParams reference = make_params(params, scene);
+  Progress progress("path tracing", estimate_background_paths(reference, scene.primary) +
+                                        estimate_object_paths(reference, scene.primary));
   const FamilyProgress report{[&](double paths) { progress.advance(paths); },
                               [&](double paths) { progress.expect_more(paths); }};
-  PathMaps maps = allot_family({scene.world, scene.materials, scene.primary}, reference, report);
+  const BackgroundPlan room = plan_background(scene.world, scene.primary, reference, report);
+  PathMaps maps = allot_object({scene.world, scene.materials, scene.primary}, room, reference, report);
   PathMap compensation;
   const PathMap none(maps.indirect.size(), 0);
   if (params.vpl_count) {  // VPLs light the objects instead
     if (params.compensate) compensation = maps.indirect;
     maps.indirect = none;
   }
-  picture.paths = count_paths(scene.primary, maps);
+  picture.paths = count_paths(scene.primary, {room.map, maps.direct, maps.indirect});
   if (!compensation.empty()) picture.paths += count_paths(scene.primary, {none, none, compensation});
-  const auto trace = [&](const Primary& part) {
-    return trace_layers({scene.world, scene.materials, part}, maps, reference.seed, reference.stream_name,
-                        reference.measures, report.advance);
-  };
-  TracedLayers room = trace(isolate_room(scene.primary));
-  HdrImage standard_error = combine_standard_errors(room);
-  picture.background = std::move(room.background.mean);
+  std::vector<TracedLayer> background = trace_planned_backgrounds(
+      scene.world, {&scene.materials, 1}, scene.primary, room, reference, report.advance);
+  HdrImage standard_error = std::move(background[0].standard_error);
+  picture.background = std::move(background[0].mean);
   for (std::size_t i = 0; i < scene.world.objects().size(); ++i) {
     const Primary part = isolate_object(scene.primary, static_cast<std::int32_t>(i));
-    TracedLayers traced = trace(part);
+    TracedLayers traced = trace_layers({scene.world, scene.materials, part}, maps, reference.seed,
+                                       reference.stream_name, reference.measures, report.advance);
     add_in_quadrature(standard_error, combine_standard_errors(traced));
     const std::string& name = scene.world.objects()[i];
     picture.objects.push_back({name,

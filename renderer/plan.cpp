@@ -70,7 +70,8 @@ Omission plan_direct(const Probe& probe) {
   const std::size_t lights = probe.world.spots().size() + probe.world.rectangles().size();
   const bool left_out = !probe.world.may_be_lit(0);
   return {"direct light of the object", left_out,
-          left_out ? fmt::format("no cone of {} spots holds a part of its triangles, and no shining side of {} rectangles its box",
+          left_out ? fmt::format("no cone of {} spots holds a part of its triangles, and no shining side of "
+                                 "{} rectangles its box",
                                  probe.world.spots().size(), probe.world.rectangles().size())
                    : fmt::format("some of {} lights may reach it: what stands between is not asked",
                                  lights + (probe.world.environment() != Vec3{} ? 1 : 0)),
@@ -102,10 +103,10 @@ Omission plan_spots(const Probe& probe) {
 Omission plan_tree(const Probe& probe) {
   const bool left_out = is_summed_plainly(probe.vpl_count());
   return {"the light tree", left_out,
-          left_out ? "the sum over so few VPLs is exact, and cheaper than cuts"
+          left_out ? "the sum over so few VPLs is exact, and all materials share its rays"
                    : fmt::format("cuts of {} VPLs are cheaper than their sum",
                                  format_vpl_count(probe.vpl_count())),
-          left_out ? "tree, cuts and the measuring of their error" : ""};
+          left_out ? "the tree, cuts for each material, and the measuring of their error" : ""};
 }
 
 Omission plan_levels(const Probe& probe) {
@@ -124,6 +125,16 @@ Omission plan_shared_paths(const Probe& probe) {
           fmt::format("{:.0f} % of the particles of {} of {} materials",
                       100 - 100 * static_cast<double>(vpls.met.size()) / static_cast<double>(kProbePaths),
                       materials - 1, materials)};
+}
+
+Omission plan_backgrounds(const Probe& probe) {
+  const std::size_t materials = probe.request.materials.size();
+  return {"the background's paths again for each material", materials > 1,
+          materials > 1 ? "one that never met the object does not know its material"
+                        : "one material is asked for",
+          materials > 1 ? fmt::format("of {} of {} materials what comes before a path meets the object",
+                                      materials - 1, materials)
+                        : ""};
 }
 
 Omission plan_views(const Probe& probe) {
@@ -183,7 +194,7 @@ Plan make_plan(const Scene& scene, const PlanRequest& request) {
   Plan plan{request.source, format_key(request.condition), {}};
   for (const auto& omission :
        {plan_gloss, plan_emission, plan_direct, plan_direct_sampling, plan_spots, plan_tree, plan_levels,
-        plan_shared_paths, plan_views, plan_ray_length, plan_parts, plan_disk})
+        plan_shared_paths, plan_backgrounds, plan_views, plan_ray_length, plan_parts, plan_disk})
     plan.omissions.push_back(omission(probe));
   return plan;
 }

@@ -76,14 +76,6 @@ Primary isolate_object(const Primary& primary, std::int32_t object) {
   return alone;
 }
 
-Primary isolate_room(const Primary& primary) {
-  Primary room = primary;
-  for (PrimaryHit& hit : room.hits) {
-    if (hit.kind == PrimaryKind::kObject) hit.kind = PrimaryKind::kHidden;
-  }
-  return room;
-}
-
 HdrImage make_coverage(const Primary& primary) {
   HdrImage coverage(primary.width, primary.height, 1);
   for (std::size_t pixel = 0; pixel < coverage.pixel_count(); ++pixel) {

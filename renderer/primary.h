@@ -40,9 +40,6 @@ Primary trace_primary(const World& world, const Camera& camera, int width, int h
 /// numbers belong to the place.
 Primary isolate_object(const Primary& primary, std::int32_t object);
 
-/// What is seen of the room alone; the objects are hidden.
-Primary isolate_room(const Primary& primary);
-
 /// Share of the positions at which the object is seen. shape: height x width x 1
 HdrImage make_coverage(const Primary& primary);
 

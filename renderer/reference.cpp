@@ -1,6 +1,9 @@
 // Pilot, allotment, paths.
 #include "renderer/reference.h"
 
+#include <algorithm>
+#include <fmt/format.h>
+
 namespace equilux {
 namespace {
 
@@ -28,64 +31,141 @@ constexpr double kSteepPercentile = 2.5;
 // The second pilot's share of the paths that the first allots.
 constexpr std::uint32_t kSecondShare = 8;
 
+// Of the room's paths where an object is seen too, whose material may take another share of the error than
+// grey does: few pixels.
+constexpr std::uint32_t kSilhouetteMargin = 2;
+
 PathMap take_share(PathMap map, const PathMap& least) {
   for (std::size_t i = 0; i < map.size(); ++i)
     map[i] = std::max(least[i], (map[i] + kSecondShare - 1) / kSecondShare);
   return map;
 }
 
-PathMaps allot(const FamilyScene& scene, const ReferenceParams& params, const FamilyProgress& progress) {
-  if (params.fixed) return make_fixed_maps(scene.primary, *params.fixed);
-  const HdrImage coverage = make_coverage(scene.primary);
-  const auto fly = [&](const PathMaps& maps, const std::string& name) {
-    const TracedLayers pilot =
-        trace_layers(scene, maps, params.seed, params.stream_name + name, params.measures, progress.advance);
-    return allot_paths(pilot, maps, coverage, scene.primary.positions, params.exposure, params.tone_key,
-                       params.target);
-  };
-  const PathMaps first = make_pilot_maps(scene.primary);
-  PathMaps maps = fly(first, ".pilot");
-  if (params.target.object_p99 < kSteepPercentile * params.target.object_mean) {
-    const PathMaps share{take_share(maps.background, first.background), take_share(maps.direct, first.direct),
-                         take_share(maps.indirect, first.indirect)};
-    progress.expect_more(count_paths(scene.primary, share));
-    maps = fly(share, ".second-pilot");
-  }
-  return maps;
+PathMaps allot_by(const TracedLayers& pilot, const PathMaps& maps, const HdrImage& coverage, int positions,
+                  const ReferenceParams& params) {
+  return allot_paths(pilot, maps, coverage, positions, params.exposure, params.tone_key, params.target);
+}
+
+PathMap make_no_paths(const PathMap& map) { return PathMap(map.size(), 0); }
+
+double count_background(const Primary& primary, const PathMap& map) {
+  return count_paths(primary, {map, make_no_paths(map), make_no_paths(map)});
+}
+
+double count_object(const Primary& primary, const PathMaps& maps) {
+  return count_paths(primary, {make_no_paths(maps.direct), maps.direct, maps.indirect});
+}
+
+PathMaps guess_maps(const ReferenceParams& params, const Primary& primary) {
+  return make_fixed_maps(primary, params.fixed ? *params.fixed : guess_counts(params.target));
 }
 
 }  // namespace
 
-ReferenceParams make_reference_params(const Study& study, const std::string& stream_name) {
-  return {study.paths, study.noise_target, study.exposure, study.tone_key, study.seed, stream_name, {}};
+std::string name_background_stream(const Family& family) {
+  return fmt::format("{}-{}-v{}", family.object.geometry, format_illumination(family.object.illumination),
+                     family.view);
 }
 
-double estimate_family_paths(const ReferenceParams& params, const Primary& primary) {
-  if (params.fixed) return count_paths(primary, make_fixed_maps(primary, *params.fixed));
-  return count_paths(primary, make_fixed_maps(primary, guess_counts(params.target))) +
-         count_paths(primary, make_pilot_maps(primary));
+ReferenceParams make_reference_params(const Study& study, const Family& family) {
+  ReferenceParams params;
+  params.fixed = study.paths;
+  params.target = study.noise_target;
+  params.exposure = study.exposure;
+  params.tone_key = study.tone_key;
+  params.seed = study.seed;
+  params.stream_name = format_key(family);
+  params.background_stream_name = name_background_stream(family);
+  return params;
 }
 
-PathMaps allot_family(const FamilyScene& scene, const ReferenceParams& params,
-                      const FamilyProgress& progress) {
-  PathMaps maps = allot(scene, params, progress);
-  if (!params.fixed) {
-    progress.expect_more(count_paths(scene.primary, maps) +
-                         count_paths(scene.primary, make_pilot_maps(scene.primary)) -
-                         estimate_family_paths(params, scene.primary));
+double estimate_background_paths(const ReferenceParams& params, const Primary& primary) {
+  const double traced = count_background(primary, guess_maps(params, primary).background);
+  return params.fixed ? traced : traced + count_paths(primary, make_pilot_maps(primary));
+}
+
+double estimate_object_paths(const ReferenceParams& params, const Primary& primary) {
+  const double traced = count_object(primary, guess_maps(params, primary));
+  return params.fixed ? traced : traced + count_object(primary, make_pilot_maps(primary));
+}
+
+BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
+                               const FamilyProgress& progress) {
+  if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background, {}, {}};
+  const PathMaps few = make_pilot_maps(primary);
+  TracedLayers pilot =
+      trace_layers({world, make_grey_materials(world), primary}, few, params.seed,
+                   params.background_stream_name + ".pilot", params.measures, progress.advance);
+  const HdrImage coverage = make_coverage(primary);
+  PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (coverage.values[i] > 0) map[i] *= kSilhouetteMargin;
   }
+  progress.expect_more(count_background(primary, map) -
+                       count_background(primary, guess_maps(params, primary).background));
+  return {std::move(map), few.background, std::move(pilot.background)};
+}
+
+std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span<const Materials> materials,
+                                                   const Primary& primary, const BackgroundPlan& plan,
+                                                   const ReferenceParams& params,
+                                                   const std::function<void(double)>& progress) {
+  const BatchJob job{make_background_key(params.seed, params.background_stream_name), plan.map,
+                     params.measures};
+  return trace_backgrounds(world, materials, primary, job, progress);
+}
+
+PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
+                      const FamilyProgress& progress) {
+  const PathMap none = make_no_paths(plan.map);
+  if (params.fixed) {
+    PathMaps maps = make_fixed_maps(scene.primary, *params.fixed);
+    maps.background = none;
+    return maps;
+  }
+  const HdrImage coverage = make_coverage(scene.primary);
+  const auto fly = [&](PathMaps maps, const std::string& name) {
+    maps.background = none;
+    TracedLayers pilot =
+        trace_layers(scene, maps, params.seed, params.stream_name + name, params.measures, progress.advance);
+    pilot.background = plan.pilot;
+    maps.background = plan.pilot_map;
+    PathMaps allotted = allot_by(pilot, maps, coverage, scene.primary.positions, params);
+    allotted.background = none;
+    return allotted;
+  };
+  const PathMaps first = make_pilot_maps(scene.primary);
+  PathMaps maps = fly(first, ".pilot");
+  if (params.target.object_p99 < kSteepPercentile * params.target.object_mean) {
+    const PathMaps share{none, take_share(maps.direct, first.direct),
+                         take_share(maps.indirect, first.indirect)};
+    progress.expect_more(count_object(scene.primary, share));
+    maps = fly(share, ".second-pilot");
+  }
+  progress.expect_more(count_object(scene.primary, maps) -
+                       count_object(scene.primary, guess_maps(params, scene.primary)));
   return maps;
+}
+
+FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, TracedLayer background,
+                          const ReferenceParams& params, const FamilyProgress& progress) {
+  const PathMaps maps = allot_object(scene, plan, params, progress);
+  TracedLayers layers =
+      trace_layers(scene, maps, params.seed, params.stream_name, params.measures, progress.advance);
+  layers.background = std::move(background);
+  HdrImage standard_error = combine_standard_errors(layers);
+  return {std::move(layers.background.mean), std::move(layers.direct.mean), std::move(layers.indirect.mean),
+          std::move(standard_error), count_object(scene.primary, maps)};
 }
 
 FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
                           const FamilyProgress& progress) {
-  const PathMaps maps = allot_family(scene, params, progress);
-  const double paths = count_paths(scene.primary, maps);
-  TracedLayers layers =
-      trace_layers(scene, maps, params.seed, params.stream_name, params.measures, progress.advance);
-  HdrImage standard_error = combine_standard_errors(layers);
-  return {std::move(layers.background.mean), std::move(layers.direct.mean), std::move(layers.indirect.mean),
-          std::move(standard_error), paths};
+  const BackgroundPlan plan = plan_background(scene.world, scene.primary, params, progress);
+  std::vector<TracedLayer> background = trace_planned_backgrounds(
+      scene.world, {&scene.materials, 1}, scene.primary, plan, params, progress.advance);
+  FamilyLayers layers = trace_object(scene, plan, std::move(background[0]), params, progress);
+  layers.paths += count_background(scene.primary, plan.map);
+  return layers;
 }
 
 }  // namespace equilux

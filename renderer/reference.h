@@ -10,7 +10,7 @@ namespace equilux {
 /// Layers of one family, premultiplied by coverage: they add up. standard_error is that of their sum.
 struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
-  double paths = 0;  ///< traced for them, without the pilot's
+  double paths = 0;  ///< traced for the object, without the pilot's
 };
 
 struct ReferenceParams {
@@ -19,15 +19,21 @@ struct ReferenceParams {
   Exposure exposure = Exposure::kBackground;
   double tone_key = 0.18;
   std::uint64_t seed = 1;
-  std::string stream_name;  ///< the pilot's has another: it is thrown away
+  std::string stream_name;             ///< the pilot's has another: it is thrown away
+  std::string background_stream_name;  ///< the same for every material of the object
   PathMeasures measures;
 };
 
-/// How a study's references are traced.
-ReferenceParams make_reference_params(const Study& study, const std::string& stream_name);
+/// Of the room's random numbers, the same for every material of the object.
+std::string name_background_stream(const Family& family);
 
-/// Work that trace_family is likely to report; exact where the counts are fixed. units: paths
-double estimate_family_paths(const ReferenceParams& params, const Primary& primary);
+/// How a study's references are traced. The stream names are the family's.
+ReferenceParams make_reference_params(const Study& study, const Family& family);
+
+/// Work that the room and an object of one material are likely to report; exact where the counts are fixed.
+/// units: paths
+double estimate_background_paths(const ReferenceParams& params, const Primary& primary);
+double estimate_object_paths(const ReferenceParams& params, const Primary& primary);
 
 /// Called from any thread: paths done, and a correction of the work foreseen.
 struct FamilyProgress {
@@ -35,11 +41,34 @@ struct FamilyProgress {
   std::function<void(double)> expect_more;
 };
 
-/// The paths of each pixel: fixed, or by pilots for the target. errors: as trace_layers
-PathMaps allot_family(const FamilyScene& scene, const ReferenceParams& params,
-                      const FamilyProgress& progress);
+/// The room of one geometry, illumination and view. Its paths are the same whatever the object is made of:
+/// its pilot sees a grey one.
+struct BackgroundPlan {
+  PathMap map;
+  PathMap pilot_map;
+  TracedLayer pilot;  ///< empty where the counts are fixed
+};
 
 /// errors: as trace_layers
+BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
+                               const FamilyProgress& progress);
+
+/// Layers of the room beside the object in several materials. errors: as trace_layers
+std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span<const Materials> materials,
+                                                   const Primary& primary, const BackgroundPlan& plan,
+                                                   const ReferenceParams& params,
+                                                   const std::function<void(double)>& progress);
+
+/// The paths of the object's pixels, fixed or by pilots for the target; none of the room. errors: as
+/// trace_layers
+PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
+                      const FamilyProgress& progress);
+
+/// The object's layers, joined with the room's. errors: as trace_layers
+FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, TracedLayer background,
+                          const ReferenceParams& params, const FamilyProgress& progress);
+
+/// All of it for one material. errors: as trace_layers
 FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
                           const FamilyProgress& progress);
 

@@ -41,7 +41,9 @@ double estimate_work(const Study& study, const Scene& scene, const World& world,
   for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
   const double pixels =
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
-  const double family = pixels * estimate_family_paths(make_reference_params(study, ""), small);
+  const ReferenceParams params = make_reference_params(study, {});
+  const double family = pixels * estimate_object_paths(params, small),
+               room = pixels * estimate_background_paths(params, small);
   const double points = pixels * object * study.subpixel_positions;
   double shading = 0;
   std::set<std::tuple<std::int64_t, int, std::string>> seen;  // levels share cuts, materials too share sums
@@ -52,7 +54,10 @@ double estimate_work(const Study& study, const Scene& scene, const World& world,
       continue;
     shading += points * (plain ? kPairCost * static_cast<double>(count) : kCutCost);
   }
-  return family * static_cast<double>(missing.families.size()) + shading;
+  std::set<int> views;
+  for (const Family& one : missing.families) views.insert(one.view);
+  return family * static_cast<double>(missing.families.size()) + room * static_cast<double>(views.size()) +
+         shading;
 }
 
 struct GroupJob {
@@ -69,18 +74,11 @@ Materials materials_of(const GroupJob& job, const std::string& material) {
   return make_materials(job.world, find_material(job.scene, material));
 }
 
-void render_family(const GroupJob& job, const Primary& primary, const Family& family) {
-  const std::string recipe = digest_family_recipe(job.recipes, family);
-  FamilyLayers layers;
-  {
-    const Stopwatch watch(job.seconds["references"]);
-    layers = trace_family({job.world, materials_of(job, family.object.material), primary},
-                          make_reference_params(job.study, format_key(family)),
-                          {[&](double paths) { job.progress.advance(paths); },
-                           [&](double paths) { job.progress.expect_more(paths); }});
-  }
-  const HdrImage coverage = make_coverage(primary);
+void save_family(const GroupJob& job, const Primary& primary, const Family& family,
+                 const FamilyLayers& layers) {
   const Stopwatch watch(job.seconds["files"]);
+  const std::string recipe = digest_family_recipe(job.recipes, family);
+  const HdrImage coverage = make_coverage(primary);
   const std::map<std::string, const HdrImage*> by_content{{"background", &layers.background},
                                                           {"coverage", &coverage},
                                                           {"direct", &layers.direct},
@@ -90,6 +88,32 @@ void render_family(const GroupJob& job, const Primary& primary, const Family& fa
     job.store.save(layer_name(family, content), recipe, *by_content.at(content), {});
   }
   job.store.save_record();
+}
+
+// Of one view: their backgrounds from the same paths, then each object.
+void render_families(const GroupJob& job, const Primary& primary, const std::vector<Family>& families) {
+  if (families.empty()) return;
+  const FamilyProgress progress{[&](double paths) { job.progress.advance(paths); },
+                                [&](double paths) { job.progress.expect_more(paths); }};
+  std::vector<Materials> materials;
+  for (const Family& family : families) materials.push_back(materials_of(job, family.object.material));
+  const ReferenceParams params = make_reference_params(job.study, families.front());
+  BackgroundPlan plan;
+  std::vector<TracedLayer> backgrounds;
+  {
+    const Stopwatch watch(job.seconds["backgrounds"]);
+    plan = plan_background(job.world, primary, params, progress);
+    backgrounds = trace_planned_backgrounds(job.world, materials, primary, plan, params, progress.advance);
+  }
+  for (std::size_t i = 0; i < families.size(); ++i) {
+    FamilyLayers layers;
+    {
+      const Stopwatch watch(job.seconds["references"]);
+      layers = trace_object({job.world, materials[i], primary}, plan, std::move(backgrounds[i]),
+                            make_reference_params(job.study, families[i]), progress);
+    }
+    save_family(job, primary, families[i], layers);
+  }
 }
 
 // VPL layers wanted: material -> clamp levels.
@@ -342,7 +366,7 @@ ViewJob open_view(const GroupJob& job, const MissingLayers& missing, int view) {
   opened.primary = trace_primary(job.world, make_view_camera(job.scene, view), job.study.width,
                                  job.study.height, job.study.subpixel_positions);
   opened.points = find_shading_points(opened.primary);
-  for (const Family& family : families) render_family(job, opened.primary, family);
+  render_families(job, opened.primary, families);
   return opened;
 }
 

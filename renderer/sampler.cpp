@@ -6,6 +6,9 @@ namespace {
 
 constexpr LatticePoint kGenerator = {1, 182667, 469891, 498753, 110745, 446247, 250185, 118627, 245333};
 
+// More draws than a path takes: whatever it takes, the next one's do not move. The shift's own come before.
+constexpr std::uint64_t kBlocksOfAPath = 1024;
+
 // Van der Corput's order: the bits of the index from behind.
 std::uint64_t reverse_bits(std::uint64_t x) {
   x = __builtin_bswap64(x);
@@ -31,6 +34,7 @@ PathSampler::PathSampler(const LatticePoint& shift, std::uint64_t path, const Ra
 void PathSampler::next_path() {
   place_ = reverse_bits(path_++);
   dimension_ = low_discrepancy_ ? 0 : kLatticeDimensions;
+  stream_.skip_to_block(static_cast<std::uint32_t>(path_ * kBlocksOfAPath));
 }
 
 float PathSampler::next() {

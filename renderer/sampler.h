@@ -21,7 +21,8 @@ LatticePoint draw_shift(RandomStream& stream);
 /// Patterson, SIAM J. Numer. Anal. 13(6), 1976 (the shift).
 class PathSampler {
  public:
-  /// Paths one after another: the shift and what no lattice gives come from one stream.
+  /// Paths one after another: the shift and what no lattice gives come from one stream, each path's at a
+  /// place of its own.
   explicit PathSampler(RandomStream stream, bool low_discrepancy = true);
   /// One path among many that share a shift, whatever their order; `stream` is the path's own.
   PathSampler(const LatticePoint& shift, std::uint64_t path, const RandomStream& stream);

@@ -29,7 +29,7 @@ Rendered render(const Scene& scene, const std::string& material, double clamp) {
   const Primary primary = trace_primary(world, make_view_camera(scene, 0), kSize, kSize, 1);
   ReferenceParams params;
   params.fixed = PathCounts{32, 32, 32};
-  params.stream_name = "stress";
+  params.stream_name = params.background_stream_name = "stress";
   const FamilyLayers layers =
       trace_family({world, materials, primary}, params, {[](double) {}, [](double) {}});
   Rendered rendered;
@@ -169,7 +169,7 @@ void add_black(std::vector<StressRow>& rows) {
   const Primary primary = trace_primary(world, make_view_camera(scene, 0), kSize, kSize, 1);
   ReferenceParams params;
   params.target = {1, 3, 2};
-  params.stream_name = "stress";
+  params.stream_name = params.background_stream_name = "stress";
   const auto layers = trace_family({world, make_materials(world, scene.materials[0]), primary}, params,
                                    {[](double) {}, [](double) {}});
   const double largest = brightest(composite({&layers.background, &layers.direct, &layers.indirect}));

@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::int64_t kPilotPaths = 100000;
 constexpr std::size_t kPathsPerBlock = 1024;
-constexpr float kPilotReflectance = 0.19f;
 
 struct Particle {
   Vec3 origin;
@@ -251,10 +250,7 @@ VplList trace_own_vpls(const World& world, const Materials& materials, const Vpl
 }
 
 std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed) {
-  const float grey = kPilotReflectance;
-  const MaterialSpec pilot_material{"pilot", {grey, grey, grey}, {}, 0};
-  const Materials materials = make_materials(world, std::vector(world.objects().size(), pilot_material));
-  const VplSet pilot = trace_vpls(world, materials, kPilotPaths, seed, "vpl-pilot");
+  const VplSet pilot = trace_vpls(world, make_grey_materials(world), kPilotPaths, seed, "vpl-pilot");
   if (pilot.count() == 0)
     throw InputError("scene", "/lights", "light that reaches a surface that is not black", "none");
   const double per_path = static_cast<double>(pilot.count()) / static_cast<double>(kPilotPaths);

@@ -12,7 +12,7 @@ namespace {
 
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
-constexpr int kPathEstimator = 4;
+constexpr int kPathEstimator = 5;
 constexpr int kVplEstimator = 5;
 constexpr int kLightcutEstimator = 6;
 

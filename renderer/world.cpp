@@ -453,4 +453,10 @@ Materials make_materials(const World& world, const MaterialSpec& object_material
   return make_materials(world, std::vector{object_material});
 }
 
+Materials make_grey_materials(const World& world) {
+  constexpr float kGrey = 0.19f;
+  const MaterialSpec grey{"pilot", {kGrey, kGrey, kGrey}, {}, 0};
+  return make_materials(world, std::vector(world.objects().size(), grey));
+}
+
 }  // namespace equilux

@@ -147,4 +147,7 @@ using Materials = std::vector<Material>;
 Materials make_materials(const World& world, const std::vector<MaterialSpec>& object_materials);
 Materials make_materials(const World& world, const MaterialSpec& object_material);
 
+/// For pilots that all materials of the objects share: Lambertian objects of a middling grey.
+Materials make_grey_materials(const World& world);
+
 }  // namespace equilux

@@ -41,7 +41,7 @@ class Stage {
 ReferenceParams fixed(const PathMeasures& measures) {
   ReferenceParams params;
   params.fixed = PathCounts{kPaths, kPaths, kPaths};
-  params.stream_name = "bench";
+  params.stream_name = params.background_stream_name = "bench";
   params.measures = measures;
   return params;
 }
@@ -53,7 +53,7 @@ double cost(const Outcome& outcome) {
 // Allotted paths against even ones: the even ones' time to the same three figures.
 double gain_of_allotment(const Stage& stage, const Outcome& even) {
   ReferenceParams params;
-  params.stream_name = "bench";
+  params.stream_name = params.background_stream_name = "bench";
   params.target = {3, 9, 6};
   const Outcome allotted = stage.trace(params);
   const double worst = std::max({even.noise.object_mean / allotted.noise.object_mean,

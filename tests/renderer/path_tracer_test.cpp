@@ -28,7 +28,7 @@ Traced trace(const Scene& scene, const std::string& material, PathCounts paths, 
   ReferenceParams params;
   params.fixed = paths;
   params.seed = seed;
-  params.stream_name = "test";
+  params.stream_name = params.background_stream_name = "test";
   traced.layers = trace_family({world, make_materials(world, find_material(scene, material)), traced.primary},
                                params, test::no_progress());
   traced.coverage = make_coverage(traced.primary);

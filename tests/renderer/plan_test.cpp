@@ -210,6 +210,29 @@ TEST(Omission, OfLongCompensationRaysKeepsEveryBit) {
   expect_equal(asked, trace({clamp_per_m2(8), clamp_per_m2(10)}));
 }
 
+// A path of the room is walked once until it meets the object, then by each material: as if alone.
+TEST(Omission, OfPathsThatNeverMetTheObjectKeepsEveryBit) {
+  const Scene scene = load_cafe();
+  const Stage stage(scene, "G2", "MS", Illumination::kDirectAndIndirect);
+  std::vector<Materials> materials;
+  for (const char* name : {"GS", "MS", "LG"})
+    materials.push_back(make_materials(stage.world, find_material(scene, name)));
+  const PathMap map(stage.primary.hits.size() / 2, 8);
+  const PathMeasures measures;
+  const BatchJob job{make_background_key(1, "plan-test"), map, measures};
+  const auto trace = [&](std::span<const Materials> some) {
+    return trace_backgrounds(stage.world, some, stage.primary, job, [](double) {});
+  };
+  const auto together = trace(materials);
+  for (std::size_t i = 0; i < materials.size(); ++i) expect_equal(together[i], trace({&materials[i], 1})[0]);
+  expect_equal(together[1],
+               trace_layers(stage.family(), {map, map, map}, 1, "plan-test", {}, [](double) {}).background);
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < together[0].mean.values.size(); ++i)
+    differing += together[0].mean.values[i] != together[2].mean.values[i];
+  EXPECT_GT(differing, 100u);
+}
+
 PlanRequest make_request(const std::string& key) {
   PlanRequest request;
   request.source = "cafe";
@@ -247,8 +270,9 @@ TEST(Plan, FollowsTheCondition) {
   EXPECT_EQ(list_left_out(make_plan(scene, study)),
             (std::vector<std::string>{
                 "spots out of reach", "a traversal for each clamp level", "particles again for each material",
-                "VPLs and trees again for each view", "long rays of compensation",
-                "meshes, materials and lights of other conditions", "layers that are on disk"}));
+                "the background's paths again for each material", "VPLs and trees again for each view",
+                "long rays of compensation", "meshes, materials and lights of other conditions",
+                "layers that are on disk"}));
 }
 
 TEST(Plan, IsToldInWords) {

@@ -43,7 +43,7 @@ struct Stage {
       : primary(trace_primary(world, make_view_camera(scene, 0), size, size, positions)) {}
 
   FamilyLayers trace(ReferenceParams params) const {
-    params.stream_name = "test";
+    params.stream_name = params.background_stream_name = "test";
     return trace_family({world, materials, primary}, params, test::no_progress());
   }
   DisplayNoise noise(const FamilyLayers& layers) const {
@@ -105,7 +105,7 @@ double trace_with_kept_pilot(const Stage& stage, std::uint64_t seed) {
   const PathMaps few = make_fixed_maps(stage.primary, {16, 16, 16});
   const TracedLayers pilot = trace_layers(scene, few, seed, "kept.pilot", {}, none);
   const PathMaps maps = allot_paths(pilot, few, make_coverage(stage.primary), stage.primary.positions,
-                                    Exposure::kBackground, .18, {3, 6, 6});
+                                    Exposure::kBackground, .18, {12, 24, 24});
   const TracedLayers rest = trace_layers(scene, maps, seed, "kept", {}, none);
   double sum = 0;
   for (std::size_t i = 0; i < maps.background.size(); ++i) {
@@ -117,23 +117,24 @@ double trace_with_kept_pilot(const Stage& stage, std::uint64_t seed) {
 }
 
 // Mutant: the pilot that allots the paths is kept. Where it missed the light it allots few and weighs much:
-// the test above must find the mean of such pictures wrong.
+// the test above must find the mean of such pictures wrong. That is .3 % where most pixels take few paths
+// beside their pilot's.
 TEST(Reference, AMutantThatKeepsItsPilotIsCaught) {
   const Stage stage(16, 1);
   std::vector<double> kept, honest;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    kept.push_back(trace_with_kept_pilot(stage, seed));
-    honest.push_back(mean_of(stage.trace(fixed(64, 1000 + seed)).background));
-  }
+  for (std::uint64_t seed = 1; seed <= 4 * kSeeds; ++seed) kept.push_back(trace_with_kept_pilot(stage, seed));
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed)
+    honest.push_back(mean_of(stage.trace(fixed(256, 1000 + seed)).background));
   EXPECT_LT(test::test_equal_means(test::mean_of(kept), test::mean_of(honest), kSeeds), .01 / 3);
 }
 
-// Seeds 1 to 3. The fewer pixels the object has, the more the worst of a hundred depend on chance.
+// Seeds 1 and 2. The fewer pixels the object has, the more the worst of a hundred depend on chance: of 48
+// such pictures of 48 x 48 pixels none missed.
 TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
-  const Stage small(32, 1), large(80, 1);
+  const Stage small(40, 1), large(80, 1);
   for (const NoiseTarget target :
        {NoiseTarget{3, 6, 6}, NoiseTarget{1, 3, 2}, NoiseTarget{2, 4, 1.5}, NoiseTarget{2, 2.5, 1}}) {
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
       const Stage& stage = target.object_mean == 3 ? large : small;
       const DisplayNoise noise = stage.noise(stage.trace(adaptive(target, seed)));
       EXPECT_TRUE(meets_target(noise, target))
@@ -180,7 +181,7 @@ TEST(Reference, OfABlackSceneIsBlackAndTakesTheFewestPaths) {
   const Materials materials = make_materials(world, find_material(scene, "metal"));
   const Primary primary = trace_primary(world, make_view_camera(scene, 0), 16, 16, 1);
   ReferenceParams params = adaptive({1, 3, 2}, 1);
-  params.stream_name = "black";
+  params.stream_name = params.background_stream_name = "black";
   const auto layers = trace_family({world, materials, primary}, params, test::no_progress());
   for (const HdrImage* layer :
        {&layers.background, &layers.direct, &layers.indirect, &layers.standard_error}) {

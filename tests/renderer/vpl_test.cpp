@@ -160,7 +160,7 @@ TEST(Vpls, UnclampedSumsOfALambertianSceneAgreeWithThePathTracer) {
     ReferenceParams params;
     params.fixed = PathCounts{64, 16, 16};
     params.seed = seed;
-    params.stream_name = "paths";
+    params.stream_name = params.background_stream_name = "paths";
     const auto layers = trace_family({world, materials, primary}, params, test::no_progress());
     double sum = 0;
     for (std::size_t i = 0; i < layers.indirect.pixel_count(); ++i) sum += layers.indirect.pixel(i)[1];
