@@ -26,13 +26,13 @@ std::string format_plot(const ConvergenceExhibit& exhibit) {
 }
 
 std::string format_buys(const Convergence& convergence) {
-  Table table{{"method", "setting", "wall s", "rms %", "bias %", "FLIP", "pixels over one step %"}, {}};
+  Table table{{"method", "setting", "wall s", "rms", "bias %", "FLIP", "pixels over one step %"}, {}};
   for (const ConvergencePoint* point : find_frontier(convergence)) {
     const ErrorFigures& error = point->error;
-    table.rows.push_back(
-        {escape_xml(point->series), escape_xml(point->setting), fmt::format("{:.2g}", point->wall()),
-         fmt::format("{:.2f}", 100 * error.relative_rms), fmt::format("{:+.2f}", 100 * error.bias),
-         fmt::format("{:.4f}", error.flip), fmt::format("{:.1f}", 100 * error.share_over_one_step)});
+    table.rows.push_back({escape_xml(point->series), escape_xml(point->setting),
+                          fmt::format("{:.2g}", point->wall()), format_error(convergence, *point),
+                          fmt::format("{:+.2f}", 100 * error.bias), fmt::format("{:.4f}", error.flip),
+                          fmt::format("{:.1f}", 100 * error.share_over_one_step)});
   }
   return format_html_table(table, 2);
 }
@@ -49,13 +49,14 @@ std::string format_error_parts(const Convergence& convergence) {
 std::string format_exhibit(const ConvergenceExhibit& exhibit) {
   const Convergence& convergence = exhibit.convergence;
   return fmt::format(
-      "<h3>{}</h3>\n<p>{}</p>\n{}<p>Each row is nearer to the reference ({}; its standard error {:.2g} % "
+      "<h3>{}, {}</h3>\n<p>{}</p>\n{}<p>Each row is nearer to the reference ({}; its standard error {:.2g} % "
       "rms) "
       "than all that take no longer, on {} threads at {} &times; {} pixels.</p>\n{}"
       "<details><summary>The error of this condition&rsquo;s picture in its parts</summary>\n{}</details>\n",
-      escape_xml(convergence.condition), escape_xml(format_advice(convergence)), format_plot(exhibit),
-      escape_xml(convergence.reference), 100 * convergence.reference_rms, convergence.threads,
-      convergence.width, convergence.height, format_buys(convergence), format_error_parts(convergence));
+      escape_xml(convergence.source), escape_xml(convergence.condition),
+      escape_xml(format_advice(convergence)), format_plot(exhibit), escape_xml(convergence.reference),
+      100 * convergence.reference_rms, convergence.threads, convergence.width, convergence.height,
+      format_buys(convergence), format_error_parts(convergence));
 }
 
 }  // namespace

@@ -90,6 +90,12 @@ Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSourc
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
   warn_of_other_study(report);
+  for (const ConvergenceExhibit& exhibit : report.convergences) {
+    if (exhibit.convergence.source != study.name)
+      report.warnings.push_back(
+          fmt::format("Error against run time of {} was measured of {}, not of this study.",
+                      exhibit.convergence.condition, exhibit.convergence.source));
+  }
   if (report.windows) {
     warn_of_digests(report.warnings, report.evidence.artifact.finished, &SessionDigests::windows,
                     report.windows->digest, "a windows.json");

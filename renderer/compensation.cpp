@@ -27,9 +27,10 @@ double trace_pixel(const CompensationJob& job, std::size_t pixel, std::vector<Tr
     const std::uint64_t place =
         pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
     add_batches(batches, job.batches, pixel, place, [&](PathSampler& sampler, auto& sums) {
-      const ReturnedLight light = estimate_returned(job.scene.world, job.scene.materials, hit.point, hit.v,
-                                                    job.returned, sampler, job.params.measures);
+      ReturnedLight light = estimate_returned(job.scene.world, job.scene.materials, hit.point, hit.v,
+                                              job.returned, sampler, job.params.measures);
       if (light.peak_per_m2 == 0) return;
+      if (job.params.clamped_alone) light.missing = {};
       for (std::size_t level = 0; level < sums.size(); ++level)
         add_light(light.at(job.params.clamps_per_m2[level]), sums[level]);
     });

@@ -11,6 +11,7 @@ struct CompensationParams {
   std::uint64_t seed = 1;
   std::string stream_name;
   PathMeasures measures;
+  bool clamped_alone = false;  ///< without what the emission lacks
 };
 
 /// Of the objects' light, a layer for each clamp, all from the same paths: added to the VPL layer of that

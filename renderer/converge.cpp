@@ -210,10 +210,10 @@ std::vector<ConvergencePoint> climb_all(const Laboratory& lab, const Truth& trut
 
 constexpr double kLeastRange = 2;  // of times, to which a slope is fitted
 
-std::vector<FittedSlope> fit_slopes(const std::vector<ConvergencePoint>& points) {
+std::vector<FittedSlope> fit_slopes(const Convergence& convergence) {
   std::map<std::string, std::vector<std::pair<double, double>>> logs;
-  for (const ConvergencePoint& point : points) {
-    if (point.error.relative_rms > 0 && point.wall() > 0)
+  for (const ConvergencePoint& point : convergence.points) {
+    if (is_resolved(convergence, point))
       logs[point.series].emplace_back(std::log(point.wall()), std::log(point.error.relative_rms));
   }
   std::vector<FittedSlope> slopes;
@@ -235,17 +235,15 @@ std::vector<FittedSlope> fit_slopes(const std::vector<ConvergencePoint>& points)
   return slopes;
 }
 
-ConvergenceAdvice find_advice(const std::vector<ConvergencePoint>& points, double seconds) {
+ConvergenceAdvice find_advice(const Convergence& convergence, double seconds) {
   ConvergenceAdvice advice{seconds, {}};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].wall() > seconds) continue;
-    if (!advice.point || points[i].error.relative_rms < points[*advice.point].error.relative_rms)
-      advice.point = i;
+  for (const ConvergencePoint* point : find_frontier(convergence)) {
+    if (point->wall() <= seconds) advice.point = static_cast<std::size_t>(point - convergence.points.data());
   }
   return advice;
 }
 
-std::string host_name() {
+std::string find_host() {
   char name[256] = {};
   gethostname(name, sizeof name - 1);
   return name;
@@ -268,16 +266,16 @@ Convergence measure_convergence(const Scene& scene, const ConvergeParams& params
   made.seeds = params.seeds;
   made.threads = count_threads();
   made.isa = format_isa(current_isa());
-  made.host = host_name();
+  made.host = find_host();
   made.reference =
       fmt::format("path tracing, {} paths a pixel", round_paths(params.reference_paths, params.positions));
   made.reference_mean = truth.mean();
   made.reference_rms = truth.rms_of_error();
   made.object_pixels = truth.object_pixels();
   made.points = climb_all(lab, truth, lit);
-  made.slopes = fit_slopes(made.points);
+  made.slopes = fit_slopes(made);
   made.parts = measure_parts(lab, truth, lit);
-  for (const double seconds : params.asked_s) made.advice.push_back(find_advice(made.points, seconds));
+  for (const double seconds : params.asked_s) made.advice.push_back(find_advice(made, seconds));
   return made;
 }
 

@@ -44,8 +44,12 @@ void write_convergence(const Convergence& convergence, const ConvergeOptions& op
   const auto file = [&](const char* extension) { return options.out / (convergence.condition + extension); };
   save_convergence(convergence, file(".json"));
   save_text(file(".csv"), format_convergence_csv(convergence));
-  save_text(file(".md"), format_convergence_page(convergence, convergence.condition + ".svg"));
-  if (!options.no_plot) {
+  const bool drawn = !options.no_plot && can_be_drawn(convergence);
+  save_text(file(".md"), format_convergence_page(convergence, drawn ? convergence.condition + ".svg" : ""));
+  if (!drawn) {  // what an earlier run drew
+    fs::remove(file(".svg"));
+    fs::remove(file(".png"));
+  } else {
     draw_convergence(convergence, PlotFormat::kSvg, file(".svg"));
     draw_convergence(convergence, PlotFormat::kPng, file(".png"));
   }
@@ -58,8 +62,10 @@ int run_converge(const ConvergeOptions& options) {
   const auto conditions = parse_scene_conditions(input.scene, options.conditions);
   if (!options.no_plot) check_gnuplot();
   make_folder(options.out);
-  for (const Condition& condition : conditions)
-    check_writable(options.out / (format_key(condition) + ".json"));
+  for (const Condition& condition : conditions) {
+    for (const char* extension : {".json", ".csv", ".md", ".svg", ".png"})
+      check_writable(options.out / (format_key(condition) + extension));
+  }
   for (const Condition& condition : conditions) {
     ConvergeParams params = make_converge_params(options, input);
     params.condition = condition;
@@ -95,9 +101,14 @@ void add_converge(CLI::App& app, CommandLine& line) {
       ->check(CLI::Range(1, 64));
   converge->add_option("--seeds", params.seeds, "Pictures of each setting, seed by seed (4)")
       ->check(CLI::Range(2, 1000));
-  converge->add_option("--budget", params.budget_s, "Longest time of a picture, seconds (60)")
+  converge
+      ->add_option("--budget", params.budget_s,
+                   "Longest time of a picture of the curves, seconds (60); reference and parts of the "
+                   "error\ntake what "
+                   "they take")
       ->check(is_in_range(0.01, 1e6));
   converge->add_option("--seconds", params.asked_s, "Times for which advice is wanted (1 10 60)")
+      ->expected(1, 100)
       ->check(is_in_range(0.001, 1e6));
   converge->add_option("--reference-paths", params.reference_paths, "Paths a pixel of the reference (8192)")
       ->check(CLI::Range(1, 1 << 20));

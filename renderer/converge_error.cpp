@@ -63,8 +63,8 @@ Truth::Truth(TruthLayers layers, const std::string& name) : layers_(std::move(la
     variance += square((double{e[0]} + double{e[1]} + double{e[2]}) / 3);
   }
   error_of_mean_ = std::sqrt(variance) / static_cast<double>(pixels_.size()) / mean_;
-  whole_ = composite({&layers_.background, &layers_.direct, &layers_.indirect.mean});
-  display_ = apply_tone_curve(whole_, layers_.tone);
+  display_ = apply_tone_curve(composite({&layers_.background, &layers_.direct, &layers_.indirect.mean}),
+                              layers_.tone);
 }
 
 RunError Truth::compare(const HdrImage& indirect) const {

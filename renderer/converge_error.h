@@ -51,7 +51,6 @@ class Truth {
  private:
   TruthLayers layers_;
   std::vector<std::size_t> pixels_;
-  HdrImage whole_;
   LdrImage display_;
   double mean_ = 0, rms_of_error_ = 0, error_of_mean_ = 0;
 };

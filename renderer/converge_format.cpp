@@ -10,7 +10,10 @@ std::string format_csv_text(const std::string& text) {
   return text.find(',') == std::string::npos ? text : "\"" + text + "\"";
 }
 
-std::string format_number(double number, bool known) { return known ? fmt::format("{:.6g}", number) : ""; }
+template <typename Number>
+std::string format_known(Number number, bool known) {
+  return known ? fmt::format("{}", number) : "";
+}
 
 std::string format_stages(const std::map<std::string, double>& stages) {
   std::string text;
@@ -23,11 +26,10 @@ std::string format_csv_row(const ConvergencePoint& point) {
   const ErrorFigures& error = point.error;
   return fmt::format(
       "{},{},{},{},{},{},{},{:.6g},{:.6g},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n",
-      format_csv_text(point.series), format_csv_text(point.setting),
-      format_number(static_cast<double>(point.vpls), point.vpls > 0),
-      format_number(point.error_ratio, point.error_ratio > 0),
-      format_number(point.clamp_level.value_or(0), point.clamp_level.has_value()),
-      format_number(point.paths_a_pixel, point.paths_a_pixel > 0), format_number(point.sets, point.sets > 0),
+      format_csv_text(point.series), format_csv_text(point.setting), format_known(point.vpls, point.vpls > 0),
+      format_known(point.error_ratio, point.error_ratio > 0),
+      format_known(point.clamp_level.value_or(0), point.clamp_level.has_value()),
+      format_known(point.paths_a_pixel, point.paths_a_pixel > 0), format_known(point.sets, point.sets > 0),
       point.wall(), point.cpu(), format_stages(point.wall_s), format_stages(point.cpu_s), error.relative_rms,
       error.relative_rms_error, error.relative_mse, error.bias, error.bias_low, error.bias_high, error.flip,
       error.share_over_one_step);
@@ -56,26 +58,30 @@ std::string format_parts(const Convergence& convergence) {
   return text;
 }
 
+std::string format_rms(const Convergence& convergence, const ConvergencePoint& point) {
+  if (!is_resolved(convergence, point)) return format_error(convergence, point);
+  return fmt::format("{:.2f} ± {:.2f}", 100 * point.error.relative_rms, 100 * point.error.relative_rms_error);
+}
+
 std::string format_rows(const Convergence& convergence, const std::string& series) {
   std::string text;
   for (const ConvergencePoint& point : convergence.points) {
     if (point.series != series) continue;
     const ErrorFigures& error = point.error;
     text += fmt::format(
-        "| {} | {} | {:.3g} | {:.3g} | {:.2f} ± {:.2f} | {:.3g} | {:+.2f} ({:+.2f} to {:+.2f}) | {:.4f} | "
-        "{:.1f} |\n",
-        series, point.setting, point.wall(), point.cpu(), 100 * error.relative_rms,
-        100 * error.relative_rms_error, error.relative_mse, 100 * error.bias, 100 * error.bias_low,
-        100 * error.bias_high, error.flip, 100 * error.share_over_one_step);
+        "| {} | {} | {:.3g} | {:.3g} | {} | {:.3g} | {:+.2f} ({:+.2f} to {:+.2f}) | {:.4f} | {:.1f} |\n",
+        series, point.setting, point.wall(), point.cpu(), format_rms(convergence, point), error.relative_mse,
+        100 * error.bias, 100 * error.bias_low, 100 * error.bias_high, error.flip,
+        100 * error.share_over_one_step);
   }
   return text;
 }
 
 std::string format_frontier(const Convergence& convergence) {
-  std::string text = "| within | method | setting | rms % |\n|---:|---|---|---:|\n";
+  std::string text = "| within | method | setting | rms |\n|---:|---|---|---:|\n";
   for (const ConvergencePoint* point : find_frontier(convergence))
-    text += fmt::format("| {:.2g} s | {} | {} | {:.2f} |\n", point->wall(), point->series, point->setting,
-                        100 * point->error.relative_rms);
+    text += fmt::format("| {:.2g} s | {} | {} | {} |\n", point->wall(), point->series, point->setting,
+                        format_error(convergence, *point));
   return text;
 }
 
@@ -100,8 +106,9 @@ std::string format_convergence_csv(const Convergence& convergence) {
 }
 
 std::string format_convergence_page(const Convergence& convergence, const std::string& plot_file) {
-  std::string text = fmt::format("## {}, {}\n\n{}\n\n![Error against run time]({})\n\n", convergence.source,
-                                 convergence.condition, format_advice(convergence), plot_file);
+  std::string text = fmt::format("## {}, {}\n\n{}\n\n", convergence.source, convergence.condition,
+                                 format_advice(convergence));
+  if (!plot_file.empty()) text += fmt::format("![Error against run time]({})\n\n", plot_file);
   text += format_header(convergence) + "\nWhat more time buys:\n\n" + format_frontier(convergence);
   text += "\nThe error of the condition's own picture in its parts:\n\n" + format_parts(convergence);
   text += "\nSlopes of log error over log time, of curves whose times differ twofold or more:\n\n" +

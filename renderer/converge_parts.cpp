@@ -137,27 +137,28 @@ ErrorPart measure_taken(const Truth& truth, const TracedLayer& taken, const char
 
 std::vector<ErrorPart> measure_parts(const Laboratory& lab, const Truth& truth, const LitScene& scene) {
   const double unclamped = std::numeric_limits<double>::infinity();
-  const auto trace = [&](int paths) {
-    const CompensationParams params{{clamp_per_m2(lab.level()), unclamped},
-                                    lab.params.emission,
-                                    lab.params.seed,
-                                    "converge.parts",
-                                    PathMeasures{}};
+  const auto trace = [&](int paths, std::vector<double> clamps, bool clamped_alone) {
+    CompensationParams params;
+    params.clamps_per_m2 = std::move(clamps);
+    params.emission = lab.params.emission;
+    params.seed = lab.params.seed;
+    params.stream_name = "converge.parts";
+    params.clamped_alone = clamped_alone;
     return trace_compensation(lab.family(), make_fixed_maps(lab.primary, {paths, paths, paths}).indirect,
                               params, [](double) {});
   };
-  const auto returned = trace(kPartPaths);
+  const double clamp = clamp_per_m2(lab.level());
+  const auto returned = trace(kPartPaths, {clamp, unclamped}, false);
   const TracedLayer &whole = returned[0], &missing = returned[1];
   const SetRuns runs = run_sets(lab, scene);
   const std::string by_paths = fmt::format("{} compensating paths a pixel", kPartPaths);
   std::vector<ErrorPart> parts;
   parts.push_back(measure_sampling(lab, truth, runs, whole));
   parts.push_back(measure_cuts(truth, runs));
-  // The noise of the whole is a little more than that of the difference, whose paths are the same.
-  parts.push_back(measure_taken(truth, {make_difference(whole.mean, missing.mean), whole.standard_error},
-                                "clamping", by_paths));
-  parts.push_back(measure_taken(truth, missing, "emission model",
-                                by_paths + ": gloss that Lambertian VPLs do not send on"));
+  parts.push_back(measure_taken(truth, trace(kPartPaths, {clamp}, true)[0], "clamping", by_paths));
+  if (lab.params.emission == Emission::kLambertian)
+    parts.push_back(measure_taken(truth, missing, "emission model",
+                                  by_paths + ": gloss that Lambertian VPLs do not send on"));
   const ErrorPart systematic = measure_taken(truth, whole, "", "");
   std::vector<HdrImage> errors;
   for (const HdrImage& cut : runs.cut) errors.push_back(make_difference(cut, truth.layers().indirect.mean));
@@ -171,7 +172,7 @@ std::vector<ErrorPart> measure_parts(const Laboratory& lab, const Truth& truth, 
   parts.push_back({"the picture", "less the reference, whose variance is subtracted",
                    std::sqrt(std::max(0.0, measured.mean_square - noise)), measured.bias,
                    std::hypot(measured.bias_error, truth.error_of_mean())});
-  const LayerSummary few = summarise_layer(truth, trace(lab.least_paths())[0]);
+  const LayerSummary few = summarise_layer(truth, trace(lab.least_paths(), {clamp}, false)[0]);
   parts.push_back({"Monte Carlo noise, if compensated",
                    fmt::format("standard error of {} compensating paths a pixel", lab.least_paths()),
                    std::sqrt(few.variance), few.bias + systematic.bias,

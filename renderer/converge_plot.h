@@ -15,6 +15,9 @@ enum class PlotFormat { kSvg, kPng };
 std::string format_convergence_plot(const Convergence& convergence, PlotFormat format,
                                     const std::filesystem::path& file);
 
+/// False where every error is lost in the reference's noise.
+bool can_be_drawn(const Convergence& convergence);
+
 /// errors: InputError where gnuplot cannot be run
 void check_gnuplot();
 

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <limits>
-#include <numeric>
 #include <sys/resource.h>
 
 #include "renderer/compensation.h"
@@ -30,11 +29,11 @@ double read_wall_s() {
 class StageClock {
  public:
   StageClock(StageTimes* times, const char* stage)
-      : times_(times), stage_(stage), wall_(read_wall_s()), cpu_(read_cpu_s()) {}
+      : times_(times), stage_(stage), wall_s_(read_wall_s()), cpu_s_(read_cpu_s()) {}
   ~StageClock() {
     if (!times_) return;
-    times_->wall_s[stage_] += read_wall_s() - wall_;
-    times_->cpu_s[stage_] += read_cpu_s() - cpu_;
+    times_->wall_s[stage_] += read_wall_s() - wall_s_;
+    times_->cpu_s[stage_] += read_cpu_s() - cpu_s_;
   }
   StageClock(const StageClock&) = delete;
   StageClock& operator=(const StageClock&) = delete;
@@ -42,7 +41,7 @@ class StageClock {
  private:
   StageTimes* times_;
   const char* stage_;
-  double wall_, cpu_;
+  double wall_s_, cpu_s_;
 };
 
 constexpr const char* kStream = "converge";
@@ -128,15 +127,13 @@ constexpr double kVplCost = 1.5, kPairCost = 0.05, kCutCost = 600, kCompensation
 
 }  // namespace
 
-double StageTimes::wall() const {
-  return std::accumulate(wall_s.begin(), wall_s.end(), 0.0,
-                         [](double sum, const auto& stage) { return sum + stage.second; });
-}
-
 VplList trace_run_vpls(const LitScene& scene, std::int64_t vpls, std::uint64_t seed, StageTimes* times) {
+  const std::int64_t paths = [&] {
+    const StageClock clock(times, "VPL pilot");
+    return find_path_count(scene.world, vpls, seed);
+  }();
   const StageClock clock(times, "VPL tracing");
-  VplSet set = trace_vpls(scene.world, scene.materials, find_path_count(scene.world, vpls, seed), seed,
-                          kStream, scene.emission);
+  VplSet set = trace_vpls(scene.world, scene.materials, paths, seed, kStream, scene.emission);
   VplList list = std::move(set.shared);
   list.append(set.own);
   return list;

@@ -14,7 +14,7 @@ namespace equilux {
 enum class LightMethod {
   kPaths,      ///< path tracing
   kPlainSum,   ///< of all VPLs
-  kLightcuts,  ///< as a study renders them
+  kLightcuts,  ///< as `image` renders them, without the measuring of their error
   kSets        ///< mean of independent VPL sets with fixed thresholds
 };
 
@@ -44,7 +44,6 @@ struct LitScene {
 /// Seconds by stage.
 struct StageTimes {
   std::map<std::string, double> wall_s, cpu_s;
-  double wall() const;
 };
 
 struct LitLayer {

@@ -1,6 +1,8 @@
 // equilux-render explain: what rendering a condition leaves out, and why.
+#include <algorithm>
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
 #include "renderer/commands.h"
@@ -57,10 +59,28 @@ PlanRequest make_request(const SceneOrStudy& input, const Condition& condition, 
   return request;
 }
 
+// Only a study has a folder and materials that share.
+void check_study(const SceneOrStudy& input, const ExplainOptions& options,
+                 const std::vector<Condition>& conditions) {
+  if (!options.folder.empty() && (!input.is_study || !fs::is_directory(options.folder)))
+    throw InputError("--out", options.folder.string(), "the folder of a study, and its study file",
+                     input.is_study ? "no folder" : "a scene");
+  if (!input.is_study) return;
+  const std::vector<Condition> all = enumerate_conditions(input.study);
+  for (Condition condition : conditions) {
+    condition.cell.normalised = input.study.normalise;
+    if (std::find(all.begin(), all.end(), condition) == all.end())
+      throw InputError("--condition", "", "a condition of the study " + input.study.name,
+                       format_key(condition));
+  }
+}
+
 int run_explain(const ExplainOptions& options) {
   const SceneOrStudy input = load_scene_or_study(options.input);
+  const auto conditions = parse_scene_conditions(input.scene, options.conditions);
+  check_study(input, options, conditions);
   std::string between;
-  for (const Condition& condition : parse_scene_conditions(input.scene, options.conditions)) {
+  for (const Condition& condition : conditions) {
     fmt::print("{}{}", between,
                format_plan(make_plan(input.scene, make_request(input, condition, options.folder))));
     between = "\n";

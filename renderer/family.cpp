@@ -22,7 +22,6 @@ bool may_be_lit(const World& world, const PrimaryHit& hit) {
 
 // Direct light without sampling, the same in every batch.
 void add_exact_direct(const FamilyJob& job, const PrimaryHit& hit, BatchSums& direct) {
-  if (!may_be_lit(job.scene.world, hit)) return;
   PathSampler unused(RandomStream(job.direct.key, 0), false);
   const Vec3 light =
       estimate_direct(job.scene.world, job.scene.materials, hit.point, hit.v, unused, job.direct.measures);
@@ -54,9 +53,10 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) 
       });
     };
     if (hit.kind == PrimaryKind::kObject) {
-      if (job.exact_direct) {
+      const bool wanted = job.direct.map[pixel] > 0 && may_be_lit(world, hit);
+      if (wanted && job.exact_direct) {
         add_exact_direct(job, hit, direct);
-      } else if (may_be_lit(world, hit)) {
+      } else if (wanted) {
         add(direct, job.direct, [&](PathSampler& sampler, const PathMeasures& measures) {
           return estimate_direct(world, materials, hit.point, hit.v, sampler, measures);
         });
@@ -138,6 +138,7 @@ StreamKey make_background_key(std::uint64_t seed, const std::string& stream_name
 
 std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const Materials> materials,
                                            const Primary& primary, const BatchJob& job,
+                                           const std::string& stream_name,
                                            const std::function<void(double)>& progress) {
   const HdrImage empty(primary.width, primary.height);
   std::vector<TracedLayer> layers(materials.size(), {empty, empty});
@@ -150,7 +151,7 @@ std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const M
   });
   std::vector<const TracedLayer*> all;
   for (const TracedLayer& layer : layers) all.push_back(&layer);
-  check_finite(all, "background");
+  check_finite(all, stream_name + ".background");
   return layers;
 }
 

@@ -51,6 +51,7 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
 /// that its material has by itself. errors and `progress` as trace_layers
 std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const Materials> materials,
                                            const Primary& primary, const BatchJob& job,
+                                           const std::string& stream_name,
                                            const std::function<void(double)>& progress);
 
 /// Where the random numbers of that layer come from.

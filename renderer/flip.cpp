@@ -97,10 +97,12 @@ struct Kernel {
     for (int i = -radius; i <= radius; ++i) weights.push_back(weigh(i));
   }
 
-  // Positive and negative weights each sum to 1 in size.
+  // Positive and negative weights each sum to 1 in size. A detector whose sides lie within one pixel sees
+  // nothing.
   void normalise() {
     double positive = 0, negative = 0;
     for (double weight : weights) (weight > 0 ? positive : negative) += std::abs(weight);
+    if (positive == 0) weights.assign(weights.size(), 0);
     for (double& weight : weights) weight /= weight > 0 ? positive : std::max(negative, 1e-300);
   }
 };

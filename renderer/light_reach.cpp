@@ -6,6 +6,7 @@
 
 #include "renderer/lights.h"
 #include "renderer/parallel.h"
+#include "renderer/world.h"
 
 namespace equilux {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 // Far above what rounding does to the path tracer's own test of the cone.
 constexpr double kMarginRadians = 2e-3;
 // Around a sphere that rounding may have made too small.
-constexpr float kRoom = 1.0002f;
+constexpr float kMarginOfRadius = 1.0002f;
 // Of a cell's size: rounding may put a point into the neighbouring cell.
 constexpr float kMarginOfCell = 1e-3f;
 
@@ -46,7 +47,8 @@ bool may_reach(const SpotLight& spot, const Sphere& sphere) {
 }
 
 bool may_reach(const SpotLight& spot, const Box& box) {
-  return may_reach(spot, Sphere{(box.low + box.high) * 0.5f, kRoom * 0.5f * length(box.high - box.low)});
+  return may_reach(spot,
+                   Sphere{(box.low + box.high) * 0.5f, kMarginOfRadius * 0.5f * length(box.high - box.low)});
 }
 
 bool may_reach(const SpotLight& spot, const TriangleMesh& mesh) {
@@ -55,7 +57,7 @@ bool may_reach(const SpotLight& spot, const TriangleMesh& mesh) {
                c = mesh.positions[triangle[2]];
     const Vec3 center = (a + b + c) * (1.0f / 3);
     const float radius = std::max({length(a - center), length(b - center), length(c - center)});
-    return may_reach(spot, Sphere{center, kRoom * radius});
+    return may_reach(spot, Sphere{center, kMarginOfRadius * radius});
   });
 }
 
@@ -63,7 +65,9 @@ bool may_reach(const RectangleLight& light, const Box& box) {
   const Vec3 n = rectangle_normal(light);
   const Vec3 farthest{n.x > 0 ? box.high.x : box.low.x, n.y > 0 ? box.high.y : box.low.y,
                       n.z > 0 ? box.high.z : box.low.z};
-  return dot(n, farthest - light.corner) > -rectangle_epsilon(light);
+  // The rounding of the dot product grows with the distance.
+  const Vec3 d = farthest - light.corner;
+  return dot(n, d) > -(rectangle_epsilon(light) + rounding_bound(length(d) + length(farthest)));
 }
 
 SpotGrid::SpotGrid(const std::vector<SpotLight>& spots, const Box& box, int resolution)

@@ -34,8 +34,7 @@ class SpotGrid {
   /// With `resolution` cells along each axis; 1 asks all that reach the box.
   SpotGrid(const std::vector<SpotLight>& spots, const Box& box, int resolution);
 
-  /// Indices of spots, rising: every spot whose cone holds p is among them. p outside counts as on the
-  /// border.
+  /// Indices of spots, rising: every spot whose cone holds a p inside the box is among them.
   std::span<const std::uint32_t> at(Vec3 p) const;
 
   /// Of a cell. units: spots

@@ -94,10 +94,13 @@ Omission plan_spots(const Probe& probe) {
     ++points;
   }
   const auto all = static_cast<double>(probe.world.spots().size());
-  const double mean = points > 0 ? asked / points : 0;
-  return {"spots out of reach", mean < all, "the cone of such a spot misses the point's cell of a grid",
-          mean < all ? fmt::format("{:.1f} of {:.0f} spots at a point that the camera sees", all - mean, all)
-                     : ""};
+  const double mean = points > 0 ? asked / points : all;
+  const bool left_out = mean < all;
+  return {
+      "spots out of reach", left_out,
+      left_out ? "the cone of such a spot misses the point's cell of a grid"
+               : "no spot is out of reach of what the camera sees",
+      left_out ? fmt::format("{:.1f} of {:.0f} spots at a point that the camera sees", all - mean, all) : ""};
 }
 
 Omission plan_tree(const Probe& probe) {
@@ -153,16 +156,18 @@ Omission plan_ray_length(const Probe& probe) {
 }
 
 Omission plan_parts(const Probe& probe) {
-  std::set<std::string> meshes{probe.scene.geometries.at(probe.object.geometry)}, materials;
-  for (const Instance& instance : probe.scene.instances) {
-    meshes.insert(instance.mesh);
+  const Scene& scene = probe.scene;
+  std::set<std::string> meshes = list_used_meshes(scene, scene.geometries.at(probe.object.geometry)),
+                        materials{probe.object.material};
+  for (const Instance& instance : scene.instances) {
+    meshes.merge(list_used_meshes(scene, instance.mesh));
     materials.insert(instance.material);
   }
-  for (const Sculpture& sculpture : probe.scene.sculptures) {
-    meshes.insert(probe.scene.geometries.at(sculpture.name));
+  for (const Sculpture& sculpture : scene.sculptures) {
+    if (sculpture.name == probe.object.geometry) continue;
+    meshes.merge(list_used_meshes(scene, scene.geometries.at(sculpture.name)));
     materials.insert(sculpture.material);
   }
-  materials.insert(probe.object.material);
   const std::size_t lights = probe.world.spots().size() + probe.world.rectangles().size() +
                              (probe.world.environment() != Vec3{} ? 1 : 0);
   const std::size_t no_mesh = probe.scene.meshes.size() - meshes.size(),
@@ -180,11 +185,14 @@ Omission plan_parts(const Probe& probe) {
 Omission plan_disk(const Probe& probe) {
   const auto& layers = probe.request.layers_on_disk;
   if (!layers) return {"layers that are on disk", false, "no study folder was named", ""};
-  return {"layers that are on disk", layers->first > 0,
-          "they were made from the same scene part, parameters and seed, and their bytes are those recorded",
-          layers->first > 0 ? fmt::format("{} of {} layers of the condition and its reference", layers->first,
-                                          layers->second)
-                            : ""};
+  return {
+      "layers that are on disk", layers->first > 0,
+      layers->first > 0
+          ? "they were made from the same scene part, parameters and seed, and their bytes are those recorded"
+          : "the folder has none that was made from this scene and study",
+      layers->first > 0
+          ? fmt::format("{} of {} layers of the condition and its reference", layers->first, layers->second)
+          : ""};
 }
 
 }  // namespace

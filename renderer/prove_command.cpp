@@ -75,7 +75,7 @@ void add_prove(CLI::App& app, CommandLine& line) {
   prove->add_option("--vpl-paths", params.vpl_paths, "Particles of each set (4000)")
       ->check(CLI::Range(1, 1000000000));
   prove->add_option("--camera-paths", params.camera_paths, "Paths at each point (256)")
-      ->check(CLI::Range(1, 1000000000));
+      ->check(CLI::Range(1, 1 << 25));
   prove
       ->add_option("--band", params.contact_band,
                    "Share of the object's height above its contact that is left out (0.3)")

@@ -98,8 +98,9 @@ BackgroundPlan plan_background(const World& world, const Primary& primary, const
                    params.background_stream_name + ".pilot", params.measures, progress.advance);
   const HdrImage coverage = make_coverage(primary);
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
+  const auto most = static_cast<std::uint32_t>(kMostPathsAPixel / (kBatches * primary.positions));
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (coverage.values[i] > 0) map[i] *= kSilhouetteMargin;
+    if (coverage.values[i] > 0) map[i] = std::min(map[i] * kSilhouetteMargin, most);
   }
   progress.expect_more(count_background(primary, map) -
                        count_background(primary, guess_maps(params, primary).background));
@@ -112,7 +113,7 @@ std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span
                                                    const std::function<void(double)>& progress) {
   const BatchJob job{make_background_key(params.seed, params.background_stream_name), plan.map,
                      params.measures};
-  return trace_backgrounds(world, materials, primary, job, progress);
+  return trace_backgrounds(world, materials, primary, job, params.background_stream_name, progress);
 }
 
 PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,

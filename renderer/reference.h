@@ -10,7 +10,7 @@ namespace equilux {
 /// Layers of one family, premultiplied by coverage: they add up. standard_error is that of their sum.
 struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
-  double paths = 0;  ///< traced for the object, without the pilot's
+  double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
 };
 
 struct ReferenceParams {

@@ -269,7 +269,10 @@ void render_all_plain_sums(const VplJob& job) {
     if (vpls.own.empty()) vpls.shared = std::move(set.shared);
     vpls.own[material] = std::move(set.own);
   }
-  for (const ViewJob* view : job.views) render_plain_sums(job, *view, vpls);
+  for (const ViewJob* view : job.views) {
+    render_plain_sums(job, *view, vpls);
+    job.group.store.save_record();
+  }
 }
 
 // The luminance that a quarter of a displayed step stands for in the family of this material.
@@ -334,8 +337,9 @@ void render_all_lightcuts(const VplJob& job) {
       own_tree = make_light_tree(std::move(set.own), tree_params);
     });
     for (const ViewJob* view : job.views) {
-      if (job.wanted(*view).contains(name))
-        render_lightcuts(job, *view, name, {shared_tree, own_tree, count});
+      if (!job.wanted(*view).contains(name)) continue;
+      render_lightcuts(job, *view, name, {shared_tree, own_tree, count});
+      job.group.store.save_record();
     }
   }
 }
@@ -346,7 +350,6 @@ void render_vpl_layers(const VplJob& job) {
   } else {
     render_all_lightcuts(job);
   }
-  job.group.store.save_record();
 }
 
 // A view's families, whose references its cuts need.

@@ -1,12 +1,15 @@
 // The lattice.
 #include "renderer/sampler.h"
 
+#include "base/error.h"
+
 namespace equilux {
 namespace {
 
 constexpr LatticePoint kGenerator = {1, 182667, 469891, 498753, 110745, 446247, 250185, 118627, 245333};
 
-// More draws than a path takes: whatever it takes, the next one's do not move. The shift's own come before.
+// 4,096 draws, far more than paths take among a few lamps: what one takes moves no other. Longer ones go on
+// into the next one's, which moves no mean. The shift's own come before, and a stream ends at 2^22 paths.
 constexpr std::uint64_t kBlocksOfAPath = 1024;
 
 // Van der Corput's order: the bits of the index from behind.
@@ -34,6 +37,7 @@ PathSampler::PathSampler(const LatticePoint& shift, std::uint64_t path, const Ra
 void PathSampler::next_path() {
   place_ = reverse_bits(path_++);
   dimension_ = low_discrepancy_ ? 0 : kLatticeDimensions;
+  EQ_CHECK(path_ * kBlocksOfAPath <= UINT32_MAX, path_);
   stream_.skip_to_block(static_cast<std::uint32_t>(path_ * kBlocksOfAPath));
 }
 

@@ -216,7 +216,7 @@ VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t p
                   const std::string& stream_name, Emission emission) {
   EQ_CHECK(paths > 0, paths);
   if (paths > std::numeric_limits<std::uint32_t>::max())
-    throw InputError("VPLs", "", "at most 2^32 paths", std::to_string(paths));
+    throw InputError("VPLs", "", "fewer than 2^32 paths", std::to_string(paths));
   const PathTracing tracing({world, materials, emission, 1.0f / static_cast<float>(paths)}, seed,
                             stream_name);
   const auto count = static_cast<std::size_t>(paths);

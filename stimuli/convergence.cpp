@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <numeric>
 
 #include "base/error.h"
@@ -186,36 +187,54 @@ std::optional<double> find_slope(const Convergence& convergence, const std::stri
   return std::nullopt;
 }
 
-bool has_logarithms(const ConvergencePoint& point) {
-  return point.error.relative_rms > 0 && point.wall() > 0;
+double find_least_error(const Convergence& convergence) { return convergence.reference_rms / 3; }
+
+bool is_resolved(const Convergence& convergence, const ConvergencePoint& point) {
+  return point.error.relative_rms > 0 && point.error.relative_rms >= find_least_error(convergence);
 }
 
 std::vector<const ConvergencePoint*> find_frontier(const Convergence& convergence) {
   std::vector<const ConvergencePoint*> sorted, frontier;
-  for (const ConvergencePoint& point : convergence.points) {
-    if (has_logarithms(point)) sorted.push_back(&point);
-  }
+  for (const ConvergencePoint& point : convergence.points) sorted.push_back(&point);
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto* a, const auto* b) { return a->wall() < b->wall(); });
+  double least = std::numeric_limits<double>::infinity();
   for (const ConvergencePoint* point : sorted) {
-    if (frontier.empty() || point->error.relative_rms < frontier.back()->error.relative_rms)
-      frontier.push_back(point);
+    const double error = std::max(point->error.relative_rms, find_least_error(convergence));
+    if (error >= least) continue;
+    least = error;
+    frontier.push_back(point);
   }
   return frontier;
 }
+
+std::string format_error(const Convergence& convergence, const ConvergencePoint& point) {
+  const bool resolved = is_resolved(convergence, point);
+  const double percent = 100 * (resolved ? point.error.relative_rms : find_least_error(convergence));
+  return (resolved ? "" : "under ") +
+         (percent < 99.5 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.0f} %", percent));
+}
+
+namespace {
+
+std::string format_time(double seconds) {
+  return seconds < 0.095 ? fmt::format("{:.2g} s", seconds) : format_seconds(seconds);
+}
+
+}  // namespace
 
 std::string format_advice(const Convergence& convergence) {
   std::string text;
   for (const ConvergenceAdvice& advice : convergence.advice) {
     if (!text.empty()) text += ' ';
     if (!advice.point) {
-      text += fmt::format("No setting that was measured takes under {}.", format_seconds(advice.seconds));
+      text += fmt::format("No setting that was measured takes under {}.", format_time(advice.seconds));
       continue;
     }
     const ConvergencePoint& point = convergence.points[*advice.point];
-    text += fmt::format("Within {}, the nearest to the truth is {} at {}: {:.2g} % rms, in {}.",
-                        format_seconds(advice.seconds), point.series, point.setting,
-                        100 * point.error.relative_rms, format_seconds(point.wall()));
+    text += fmt::format("Within {}, the nearest to the truth is {} at {}: {} rms, in {}.",
+                        format_time(advice.seconds), point.series, point.setting,
+                        format_error(convergence, point), format_time(point.wall()));
   }
   return text;
 }

@@ -95,11 +95,17 @@ std::vector<std::string> list_series(const Convergence& convergence);
 
 std::optional<double> find_slope(const Convergence& convergence, const std::string& series);
 
-/// A plot by logarithms shows points whose error is not lost in the reference's noise.
-bool has_logarithms(const ConvergencePoint& point);
+/// Smaller errors are lost in the reference's noise: a third of it. units: relative rms
+double find_least_error(const Convergence& convergence);
 
-/// Of those, by rising time, the ones that are nearer to the truth than all that take no longer.
+/// False for an error that is lost in the reference's noise: such ones count as equal.
+bool is_resolved(const Convergence& convergence, const ConvergencePoint& point);
+
+/// By rising time, the points that are nearer to the truth than all that take no longer.
 std::vector<const ConvergencePoint*> find_frontier(const Convergence& convergence);
+
+/// Relative rms for a reader: "1.2 %", or "under .3 %" where it is lost in the reference's noise.
+std::string format_error(const Convergence& convergence, const ConvergencePoint& point);
 
 /// "Within 10 s ...": the advice as sentences.
 std::string format_advice(const Convergence& convergence);

@@ -507,4 +507,11 @@ std::string digest_scene_part(const Scene& scene, const Object& object, bool wit
   return digest_json(json);
 }
 
+std::set<std::string> list_used_meshes(const Scene& scene, const std::string& name) {
+  std::set<std::string> used{name};
+  for (const MeshUse& use : find_uses(scene.meshes.at(name), ""))
+    used.merge(list_used_meshes(scene, use.name));
+  return used;
+}
+
 }  // namespace equilux

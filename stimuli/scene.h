@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -115,6 +116,9 @@ std::string default_material(const Scene& scene, const std::string& geometry);
 
 /// Makes a mesh of the scene by its generator, or reads its file and adds to `repairs`. errors: InputError
 TriangleMesh make_mesh(const Scene& scene, const std::string& name, MeshRepairs* repairs = nullptr);
+
+/// A mesh of the scene and all that it is made from.
+std::set<std::string> list_used_meshes(const Scene& scene, const std::string& name);
 
 /// What is missing for a mesh of the scene, in words that say which command brings it if the scene knows;
 /// empty if all is there.

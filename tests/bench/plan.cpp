@@ -204,7 +204,7 @@ void compare_sharing() {
   const PathMeasures measures;
   const BatchJob job{make_background_key(1, "bench"), map, measures};
   const auto trace = [&](std::span<const Materials> some) {
-    trace_backgrounds(stage.world, some, stage.primary, job, [](double) {});
+    trace_backgrounds(stage.world, some, stage.primary, job, "bench", [](double) {});
   };
   print_row(
       "the background's paths again for each material", "five materials, 64 paths a pixel",

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sstream>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "renderer/converge_error.h"
 #include "renderer/converge_format.h"
@@ -198,6 +199,43 @@ TEST_F(Converge, IsDrawnWithAName) {
   EXPECT_NE(commands.find("set output 'a''b.svg'"), std::string::npos);
   for (const std::string& series : list_series(made()))
     EXPECT_NE(commands.find("title '" + series), std::string::npos) << series;
+}
+
+TEST_F(Converge, WritesCountsAsWholeNumbers) {
+  Convergence some;
+  some.points.resize(1);
+  some.points[0].vpls = 5000000;
+  some.points[0].paths_a_pixel = 1048576;
+  EXPECT_NE(format_convergence_csv(some).find(",5000000,,,1048576,"), std::string::npos)
+      << format_convergence_csv(some);
+}
+
+TEST_F(Converge, OfErrorsBelowTheNoiseIsNotDrawnAndSaysSo) {
+  Convergence lost = made();
+  lost.reference_rms = 1e9;
+  EXPECT_TRUE(can_be_drawn(made()));
+  EXPECT_FALSE(can_be_drawn(lost));
+  const std::string page = format_convergence_page(lost, "");
+  EXPECT_EQ(page.find("!["), std::string::npos);
+  EXPECT_NE(page.find("| under 33333333333 % |"), std::string::npos) << page;
+}
+
+TEST_F(Converge, IsDrawnByGnuplot) {
+  const test::Folder folder;
+  check_gnuplot();
+  draw_convergence(made(), PlotFormat::kPng, folder / "it's.png");
+  draw_convergence(made(), PlotFormat::kSvg, folder / "plot.svg");
+  EXPECT_EQ(load_text(folder / "it's.png").substr(1, 3), "PNG");
+  EXPECT_NE(load_text(folder / "plot.svg").find("path tracing, slope"), std::string::npos);
+}
+
+TEST(ConvergeError, NeedsAnObjectThatIsSeenAndLit) {
+  RandomStream random(5, "converge-error", 0);
+  TruthLayers unseen = make_layers(0, random), black = make_layers(0, random);
+  unseen.coverage = HdrImage(40, 30, 1);
+  black.indirect.mean = HdrImage(40, 30);
+  EXPECT_THROW(Truth(std::move(unseen), "G0"), InputError);
+  EXPECT_THROW(Truth(std::move(black), "G0"), InputError);
 }
 
 // With the same seeds figures are the same; times are not.

@@ -113,7 +113,22 @@ TEST(LightReach, OfARectangleEndsAtItsPlane) {
   EXPECT_TRUE(may_reach(light, Box{{5, 5, 3}, {6, 6, 4}}));
 }
 
-// All lights and their cells are asked where a point lies: at a million points of the café.
+TEST(LightReach, HoldsInGridsOfAllKinds) {
+  SpotLight up;
+  up.position = {0, 0, -2};
+  up.direction = {0, 0, 1};
+  up.cos_outer = std::cos(0.7f);
+  EXPECT_TRUE(SpotGrid().at({1, 2, 3}).empty());
+  EXPECT_TRUE(SpotGrid({}, {{0, 0, 0}, {1, 1, 1}}, 16).at({0.5f, 0.5f, 0.5f}).empty());
+  // A floor has no height; its border and its corners are in it.
+  const SpotGrid flat({up}, {{-1, -1, 0}, {1, 1, 0}}, 16);
+  for (const Vec3 p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0.9f, 0.9f, 0}})
+    EXPECT_EQ(flat.at(p).size(), 1u) << p.x << " " << p.y;
+  const SpotGrid many(std::vector<SpotLight>(300, up), {{-1, -1, 0}, {1, 1, 1}}, 8);
+  EXPECT_EQ(many.at({0, 0, 0.5f}).size(), 300u);
+}
+
+// All lights and their cells are asked where a point lies: at 100,000 points of the café.
 TEST(LightReach, OfTheCafeHoldsInEveryCell) {
   const World world = make_world(load_cafe(), "G0", Illumination::kDirectAndIndirect);
   RandomStream random(2, "light-reach", 0);
@@ -196,11 +211,10 @@ TEST(Omission, OfTheTreeIsTheSumThatCutsAreHeldTo) {
     ASSERT_NEAR(luminance(cut[i]), luminance(sum[i]), 2e-5 * luminance(sum[i])) << i;
 }
 
-// Rays that end where the asked clamp takes nothing, and rays that go on for a level that nobody needs. One
-// path a batch: what a path draws moves the draws of those after it.
+// Rays that end where the asked clamp takes nothing, and rays that go on for a level that nobody needs.
 TEST(Omission, OfLongCompensationRaysKeepsEveryBit) {
   const Stage stage(load_cafe(), "G2", "LG", Illumination::kIndirect);
-  const PathMap map(stage.primary.hits.size() / 2, 1);
+  const PathMap map(stage.primary.hits.size() / 2, 4);
   const auto trace = [&](std::vector<double> clamps) {
     return trace_compensation(stage.family(), map, {std::move(clamps), Emission::kFull, 1, "plan-test", {}},
                               [](double) {})[0];
@@ -221,7 +235,7 @@ TEST(Omission, OfPathsThatNeverMetTheObjectKeepsEveryBit) {
   const PathMeasures measures;
   const BatchJob job{make_background_key(1, "plan-test"), map, measures};
   const auto trace = [&](std::span<const Materials> some) {
-    return trace_backgrounds(stage.world, some, stage.primary, job, [](double) {});
+    return trace_backgrounds(stage.world, some, stage.primary, job, "plan-test", [](double) {});
   };
   const auto together = trace(materials);
   for (std::size_t i = 0; i < materials.size(); ++i) expect_equal(together[i], trace({&materials[i], 1})[0]);

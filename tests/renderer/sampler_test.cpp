@@ -72,5 +72,16 @@ TEST(PathSampler, ManyPathsTogetherAreEven) {
   EXPECT_LT(find_spread(true, product), find_spread(false, product) / 5);
 }
 
+// Whatever a path takes beyond the lattice, the next one's numbers are the same.
+TEST(PathSampler, GivesAPathItsNumbersWhateverTheOneBeforeTook) {
+  PathSampler brief{RandomStream(1, "sampler", 0)}, long_one{RandomStream(1, "sampler", 0)};
+  for (int path = 0; path < 20; ++path) {
+    brief.next_path();
+    long_one.next_path();
+    for (int draw = 0; draw < 12; ++draw) ASSERT_EQ(brief.next(), long_one.next()) << path << " " << draw;
+    for (int draw = 0; draw < 100 * path; ++draw) long_one.next();
+  }
+}
+
 }  // namespace
 }  // namespace equilux

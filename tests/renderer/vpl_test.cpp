@@ -87,6 +87,15 @@ TEST(Vpls, OfTheObjectComeFromThePathsThatMetItAsIfAllWereTraced) {
   }
 }
 
+TEST(Vpls, OfAnObjectThatNoPathMeetsAreNone) {
+  const Scene scene = floating_ball();
+  const World world = make_world(scene, "G0", Illumination::kIndirect);
+  VplSet set;
+  set.paths = 1000;
+  EXPECT_EQ(trace_own_vpls(world, make_materials(world, find_material(scene, "grey")), set, 3, "vpls").size(),
+            0u);
+}
+
 TEST(Vpls, TheSameSeedGivesTheSameVplsOnAnyNumberOfThreads) {
   const Scene scene = floating_ball();
   const World world = make_world(scene, "G0", Illumination::kIndirect);

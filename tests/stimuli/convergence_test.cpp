@@ -78,7 +78,21 @@ TEST(Convergence, ListsSeriesInTheirOrderAndTheSettingsThatNoneBeats) {
   ASSERT_EQ(frontier.size(), 3u);
   EXPECT_EQ(frontier[0], &made.points[1]);
   EXPECT_EQ(frontier[1], &made.points[0]);
-  EXPECT_EQ(frontier[2], &made.points[4]);
+  EXPECT_EQ(frontier[2], &made.points[3]) << "lost in the noise, and fastest of those";
+}
+
+TEST(Convergence, CountsErrorsBelowTheReferencesNoiseAsEqual) {
+  Convergence made = make_convergence();
+  made.reference_rms = 0.375;
+  EXPECT_EQ(find_least_error(made), 0.125);
+  EXPECT_TRUE(is_resolved(made, made.points[1]));
+  EXPECT_FALSE(is_resolved(made, made.points[3]));
+  EXPECT_FALSE(is_resolved(made, made.points[4]));
+  EXPECT_EQ(format_error(made, made.points[4]), "under 12 %");
+  EXPECT_EQ(format_error(made, make_point("a", 1, 2.5)), "250 %");
+  const auto frontier = find_frontier(made);
+  ASSERT_EQ(frontier.size(), 2u) << "of the equal ones the fastest";
+  EXPECT_EQ(frontier[1], &made.points[0]);
 }
 
 TEST(Convergence, AdvisesInSentences) {

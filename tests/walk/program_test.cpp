@@ -23,9 +23,10 @@ struct Subcommand {
 };
 
 const std::vector<Subcommand> kSubcommands = {
-    {"render", "set"},     {"render", "image"},     {"render", "tonemap"},
-    {"render", "export"},  {"session", "simulate"}, {"session", "run", false},
-    {"session", "status"}, {"analyze", "prune"},    {"analyze", "report"}};
+    {"render", "set"},     {"render", "image"},     {"render", "tonemap"},     {"render", "converge"},
+    {"render", "explain"}, {"render", "describe"},  {"render", "prove"},       {"render", "sheet"},
+    {"render", "export"},  {"session", "simulate"}, {"session", "run", false}, {"session", "status"},
+    {"analyze", "prune"},  {"analyze", "report"}};
 const std::vector<std::string> kPrograms = {"render", "session", "analyze"};
 
 std::string describe(const std::string& program, const Words& words) {
@@ -219,6 +220,35 @@ TEST_F(ProgramInput, NamesWrongValuesOfPictures) {
   expect_input_error("render", with_words({"--method", "vpl", "--clamp", "Ball=C4"}), "Ball");
   expect_input_error("render", with_words({"--png", path("a.exr")}), path("a.exr"));
   EXPECT_FALSE(fs::exists(path("a.exr")));
+}
+
+TEST_F(ProgramInput, NamesWrongConditionsOfScenesAndStudies) {
+  const std::string pocket = EQUILUX_SOURCE_DIR "/protocols/pocket.json", out = path("out");
+  for (const std::string command : {"converge", "explain"}) {
+    const auto words = [&](const std::string& input, const std::string& key) {
+      Words some{command, input, "--condition", key};
+      if (command == "converge") some.insert(some.end(), {"--out", out});
+      return some;
+    };
+    expect_input_error("render", words(kCafe, "G0-MS-ind"), "G0-MS-ind");
+    expect_input_error("render", words(kCafe, "teapot-MS-ind-1k-C4-v0"), "teapot");
+    expect_input_error("render", words(kCafe, "G0-velvet-ind-1k-C4-v0"), "velvet");
+    expect_input_error("render", words(kCafe, "G0-MS-ind-1k-C4n-v0"), "C4n");
+    expect_input_error("render", words(path("nowhere.json"), "G0-MS-ind-1k-C4-v0"), path("nowhere.json"));
+    save_text(path("neither.json"), R"({"schema":"equilux-windows"})");
+    expect_input_error("render", words(path("neither.json"), "G0-MS-ind-1k-C4-v0"), path("neither.json"));
+  }
+  expect_input_error("render", {"explain", pocket, "--condition", "G1-MS-ind-1k-C4-v0"},
+                     "G1-MS-ind-1k-C4-v0");
+  expect_input_error("render", {"explain", kCafe, "--condition", "G0-MS-ind-1k-C4-v0", "--out", "."},
+                     "a scene");
+  expect_input_error("render", {"explain", pocket, "--condition", "G0-MS-ind-1k-C4-v0", "--out", path("no")},
+                     path("no"));
+  save_text(path("file"), "a regular file");
+  expect_input_error("render",
+                     {"converge", kCafe, "--condition", "G0-MS-ind-1k-C4-v0", "--out", path("file/x")},
+                     path("file"));
+  EXPECT_FALSE(fs::exists(out));
 }
 
 TEST_F(ProgramInput, NamesWrongValuesOfExports) {
