@@ -13,8 +13,8 @@
 namespace equilux {
 namespace {
 
-constexpr int kSeeds = 3, kWidth = 280, kHeight = 210, kPositions = 1, kReferencePaths = 4096;
-constexpr std::int64_t kCounts[] = {10000, 30000, 100000, 300000, 1000000, 3000000};
+constexpr int kSeeds = 3, kWidth = 280, kHeight = 210, kPositions = 1, kReferencePaths = 2048;
+constexpr std::int64_t kCounts[] = {10000, 30000, 100000, 300000, 1000000};
 
 using Levels = std::array<double, kClampLevelCount>;
 
