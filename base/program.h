@@ -14,6 +14,9 @@ inline constexpr int kExitUsage = 2;  ///< wrong command line
 /// kExitError.
 int run_program(const std::string& name, const std::function<int()>& body);
 
+/// Name of this machine.
+std::string find_host_name();
+
 /// Now in UTC, ISO 8601 with milliseconds: "2026-01-31T12:00:00.000Z".
 std::string format_utc_now();
 

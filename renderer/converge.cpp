@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unistd.h>
 
 #include "base/error.h"
+#include "base/program.h"
 #include "base/progress.h"
 #include "renderer/converge_lab.h"
 #include "renderer/isa.h"
@@ -88,13 +88,20 @@ Ladder make_ratio_ladder(const Laboratory& lab, int level) {
   return ladder;
 }
 
+// Without a clamp there is nothing to give back but gloss that VPLs do not send on.
+bool changes_unclamped(const Laboratory& lab, ClampRemedy remedy) {
+  return remedy == ClampRemedy::kNone ||
+         (remedy == ClampRemedy::kCompensated && lab.params.emission == Emission::kLambertian &&
+          has_gloss(lab.materials));
+}
+
 Ladder make_level_ladder(const Laboratory& lab, ClampRemedy remedy) {
   const char* names[] = {"clamped", "clamped and normalised", "clamped and compensated"};
   const int paths = remedy == ClampRemedy::kCompensated ? lab.least_paths() : 0;
   Ladder ladder{
       fmt::format("{} at {}", names[static_cast<std::size_t>(remedy)], format_vpl_count(lab.vpls())), {}};
   for (const int level : lab.params.ladders.clamp_levels) {
-    if (remedy != ClampRemedy::kNone && level == 0) continue;
+    if (level == 0 && !changes_unclamped(lab, remedy)) continue;
     ladder.rungs.push_back({name_level(level, remedy),
                             {method_of(lab.vpls()), lab.vpls(), kErrorRatio, level, remedy, paths, 0}});
   }
@@ -243,12 +250,6 @@ ConvergenceAdvice find_advice(const Convergence& convergence, double seconds) {
   return advice;
 }
 
-std::string find_host() {
-  char name[256] = {};
-  gethostname(name, sizeof name - 1);
-  return name;
-}
-
 }  // namespace
 
 Convergence measure_convergence(const Scene& scene, const ConvergeParams& params) {
@@ -266,7 +267,7 @@ Convergence measure_convergence(const Scene& scene, const ConvergeParams& params
   made.seeds = params.seeds;
   made.threads = count_threads();
   made.isa = format_isa(current_isa());
-  made.host = find_host();
+  made.host = find_host_name();
   made.reference =
       fmt::format("path tracing, {} paths a pixel", round_paths(params.reference_paths, params.positions));
   made.reference_mean = truth.mean();

@@ -153,8 +153,8 @@ std::vector<ErrorPart> measure_parts(const Laboratory& lab, const Truth& truth, 
   const SetRuns runs = run_sets(lab, scene);
   const std::string by_paths = fmt::format("{} compensating paths a pixel", kPartPaths);
   std::vector<ErrorPart> parts;
-  parts.push_back(measure_sampling(lab, truth, runs, whole));
-  parts.push_back(measure_cuts(truth, runs));
+  const ErrorPart sampling = measure_sampling(lab, truth, runs, whole), cuts = measure_cuts(truth, runs);
+  parts.insert(parts.end(), {sampling, cuts});
   parts.push_back(measure_taken(truth, trace(kPartPaths, {clamp}, true)[0], "clamping", by_paths));
   if (lab.params.emission == Emission::kLambertian)
     parts.push_back(measure_taken(truth, missing, "emission model",
@@ -165,10 +165,8 @@ std::vector<ErrorPart> measure_parts(const Laboratory& lab, const Truth& truth, 
   const Moments measured = take_moments(truth, errors);
   const double noise = truth.rms_of_error() * truth.rms_of_error();
   parts.push_back({"these together", "clamping and emission as one, and the squares of the rest",
-                   std::sqrt(systematic.relative_rms * systematic.relative_rms +
-                             parts[0].relative_rms * parts[0].relative_rms +
-                             parts[1].relative_rms * parts[1].relative_rms),
-                   systematic.bias + parts[1].bias, std::hypot(systematic.bias_error, parts[1].bias_error)});
+                   std::hypot(systematic.relative_rms, sampling.relative_rms, cuts.relative_rms),
+                   systematic.bias + cuts.bias, std::hypot(systematic.bias_error, cuts.bias_error)});
   parts.push_back({"the picture", "less the reference, whose variance is subtracted",
                    std::sqrt(std::max(0.0, measured.mean_square - noise)), measured.bias,
                    std::hypot(measured.bias_error, truth.error_of_mean())});

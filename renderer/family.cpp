@@ -10,9 +10,9 @@
 namespace equilux {
 namespace {
 
-struct FamilyJob {
+struct ObjectJob {
   const FamilyScene& scene;
-  BatchJob background, direct, indirect;
+  BatchJob direct, indirect;
   bool exact_direct;  // no light has an area: nothing is sampled
 };
 
@@ -21,7 +21,7 @@ bool may_be_lit(const World& world, const PrimaryHit& hit) {
 }
 
 // Direct light without sampling, the same in every batch.
-void add_exact_direct(const FamilyJob& job, const PrimaryHit& hit, BatchSums& direct) {
+void add_exact_direct(const ObjectJob& job, const PrimaryHit& hit, BatchSums& direct) {
   PathSampler unused(RandomStream(job.direct.key, 0), false);
   const Vec3 light =
       estimate_direct(job.scene.world, job.scene.materials, hit.point, hit.v, unused, job.direct.measures);
@@ -37,14 +37,14 @@ void add_seen_light(const World& world, const PrimaryHit& hit, BatchSums& backgr
   for (LightSum& batch : background) add_light(radiance, batch);
 }
 
-void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) {
+void trace_object_pixel(const ObjectJob& job, std::size_t pixel, TracedLayers& layers) {
   const World& world = job.scene.world;
   const Materials& materials = job.scene.materials;
   const Primary& primary = job.scene.primary;
-  BatchSums background{}, direct{}, indirect{};
+  BatchSums direct{}, indirect{};
   for (int position = 0; position < primary.positions; ++position) {
     const PrimaryHit& hit = primary.at(pixel, position);
-    if (hit.kind == PrimaryKind::kHidden) continue;
+    if (hit.kind != PrimaryKind::kObject) continue;
     const std::uint64_t place =
         pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
     const auto add = [&](BatchSums& layer, const BatchJob& how, const auto& estimate) {
@@ -52,27 +52,18 @@ void trace_pixel(const FamilyJob& job, std::size_t pixel, TracedLayers& layers) 
         add_light(estimate(sampler, how.measures), sums.front());
       });
     };
-    if (hit.kind == PrimaryKind::kObject) {
-      const bool wanted = job.direct.map[pixel] > 0 && may_be_lit(world, hit);
-      if (wanted && job.exact_direct) {
-        add_exact_direct(job, hit, direct);
-      } else if (wanted) {
-        add(direct, job.direct, [&](PathSampler& sampler, const PathMeasures& measures) {
-          return estimate_direct(world, materials, hit.point, hit.v, sampler, measures);
-        });
-      }
-      add(indirect, job.indirect, [&](PathSampler& sampler, const PathMeasures& measures) {
-        return estimate_reflected(world, materials, hit.point, hit.v, false, sampler, measures);
-      });
-    } else if (hit.kind == PrimaryKind::kNothing || hit.point.emitter >= 0) {
-      add_seen_light(world, hit, background);
-    } else {
-      add(background, job.background, [&](PathSampler& sampler, const PathMeasures& measures) {
-        return estimate_reflected(world, materials, hit.point, hit.v, true, sampler, measures);
+    const bool wanted = job.direct.map[pixel] > 0 && may_be_lit(world, hit);
+    if (wanted && job.exact_direct) {
+      add_exact_direct(job, hit, direct);
+    } else if (wanted) {
+      add(direct, job.direct, [&](PathSampler& sampler, const PathMeasures& measures) {
+        return estimate_direct(world, materials, hit.point, hit.v, sampler, measures);
       });
     }
+    add(indirect, job.indirect, [&](PathSampler& sampler, const PathMeasures& measures) {
+      return estimate_reflected(world, materials, hit.point, hit.v, false, sampler, measures);
+    });
   }
-  store(background, primary.positions, layers.background, pixel);
   store(direct, primary.positions, layers.direct, pixel);
   store(indirect, primary.positions, layers.indirect, pixel);
 }
@@ -189,18 +180,22 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
                           const std::string& stream_name, const PathMeasures& measures,
                           const std::function<void(double)>& progress) {
   const Primary& primary = scene.primary;
-  const auto layer_job = [&](const char* layer, const PathMap& map) {
+  const auto make_job = [&](const char* layer, const PathMap& map) {
     return BatchJob{make_stream_key(seed, stream_name + "." + layer), map, measures};
   };
-  const FamilyJob job{scene, layer_job("background", maps.background), layer_job("direct", maps.direct),
-                      layer_job("indirect", maps.indirect), !has_extended_lights(scene.world)};
+  const ObjectJob job{scene, make_job("direct", maps.direct), make_job("indirect", maps.indirect),
+                      !has_extended_lights(scene.world)};
+  const PathMaps of_object{PathMap(maps.background.size(), 0), maps.direct, maps.indirect};
   const HdrImage empty(primary.width, primary.height);
-  TracedLayers layers{{empty, empty}, {empty, empty}, {empty, empty}};
+  TracedLayers layers{{}, {empty, empty}, {empty, empty}};
+  layers.background = std::move(trace_backgrounds(
+      scene.world, {&scene.materials, 1}, primary,
+      {make_background_key(seed, stream_name), maps.background, measures}, stream_name, progress)[0]);
   for_each_strip(empty.pixel_count(), [&](std::size_t first, std::size_t last) {
-    for (std::size_t pixel = first; pixel < last; ++pixel) trace_pixel(job, pixel, layers);
-    progress(count_paths_of_pixels(primary, maps, first, last));
+    for (std::size_t pixel = first; pixel < last; ++pixel) trace_object_pixel(job, pixel, layers);
+    progress(count_paths_of_pixels(primary, of_object, first, last));
   });
-  check_finite({&layers.background, &layers.direct, &layers.indirect}, stream_name);
+  check_finite({&layers.direct, &layers.indirect}, stream_name);
   return layers;
 }
 

@@ -13,8 +13,15 @@ namespace {
 
 // Far above what rounding does to the path tracer's own test of the cone.
 constexpr double kMarginRadians = 2e-3;
-// Around a sphere that rounding may have made too small.
+// Around a sphere that rounding may have made too small; far from the origin what is rounded are coordinates.
 constexpr float kMarginOfRadius = 1.0002f;
+
+float find_largest(Vec3 p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); }
+
+Sphere make_sphere(Vec3 center, float radius) {
+  return {center, kMarginOfRadius * radius + rounding_bound(find_largest(center) + radius)};
+}
+
 // Of a cell's size: rounding may put a point into the neighbouring cell.
 constexpr float kMarginOfCell = 1e-3f;
 
@@ -47,8 +54,7 @@ bool may_reach(const SpotLight& spot, const Sphere& sphere) {
 }
 
 bool may_reach(const SpotLight& spot, const Box& box) {
-  return may_reach(spot,
-                   Sphere{(box.low + box.high) * 0.5f, kMarginOfRadius * 0.5f * length(box.high - box.low)});
+  return may_reach(spot, make_sphere((box.low + box.high) * 0.5f, 0.5f * length(box.high - box.low)));
 }
 
 bool may_reach(const SpotLight& spot, const TriangleMesh& mesh) {
@@ -57,7 +63,7 @@ bool may_reach(const SpotLight& spot, const TriangleMesh& mesh) {
                c = mesh.positions[triangle[2]];
     const Vec3 center = (a + b + c) * (1.0f / 3);
     const float radius = std::max({length(a - center), length(b - center), length(c - center)});
-    return may_reach(spot, Sphere{center, kMarginOfRadius * radius});
+    return may_reach(spot, make_sphere(center, radius));
   });
 }
 

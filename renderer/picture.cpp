@@ -32,12 +32,9 @@ PictureScene make_all_sculptures(const Scene& scene, const PictureParams& params
   std::vector<MaterialSpec> own;
   for (const Sculpture& sculpture : scene.sculptures) own.push_back(find_material(scene, sculpture.material));
   Materials materials = make_materials(world, own);
-  const std::string illumination = format_illumination(params.illumination);
-  return {std::move(world),
-          std::move(materials),
-          fmt::format("sculptures-{}-v{}", illumination, params.view),
-          fmt::format("sculptures-{}-v{}", illumination, params.view),
-          {}};
+  const std::string stream =
+      fmt::format("sculptures-{}-v{}", format_illumination(params.illumination), params.view);
+  return {std::move(world), std::move(materials), stream, stream, {}};
 }
 
 PictureScene make_one_object(const Scene& scene, const PictureParams& params) {

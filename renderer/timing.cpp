@@ -1,8 +1,6 @@
 // timing.json, read and added to.
 #include "renderer/timing.h"
 
-#include <unistd.h>
-
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
@@ -13,18 +11,12 @@
 namespace equilux {
 namespace {
 
-std::string host_name() {
-  char name[256] = {};
-  gethostname(name, sizeof name - 1);
-  return name;
-}
-
 Json make_run(const std::map<std::string, double>& seconds_by_stage, std::size_t layers_rendered,
               std::size_t pictures_written) {
   Json seconds;
   for (const auto& [stage, time] : seconds_by_stage) seconds.set(stage, time);
   Json run;
-  run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", host_name());
+  run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", find_host_name());
   run.set("isa", format_isa(current_isa())).set("threads", count_threads());
   run.set("layers_rendered", layers_rendered).set("pictures_written", pictures_written);
   run.set("seconds", std::move(seconds));

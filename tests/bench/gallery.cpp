@@ -1,7 +1,6 @@
 // One clamp level for each object of the gallery against one for all: error and time side by side.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -9,20 +8,18 @@
 
 #include "renderer/family.h"
 #include "renderer/lightcut.h"
+#include "tests/bench/bench.h"
 
 namespace equilux {
 namespace {
+
+using bench::all_levels;
+using bench::time_s;
 
 constexpr int kSeeds = 3, kWidth = 280, kHeight = 210, kPositions = 1, kReferencePaths = 2048;
 constexpr std::int64_t kCounts[] = {10000, 30000, 100000, 300000, 1000000};
 
 using Levels = std::array<double, kClampLevelCount>;
-
-double time_s(const auto& body) {
-  const auto start = std::chrono::steady_clock::now();
-  body();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 struct Gallery {
   Scene scene = load_scene(EQUILUX_SOURCE_DIR "/stimuli/scenes/gallery.json");
@@ -61,15 +58,6 @@ struct Gallery {
     return std::max(0.0, square / count) / (mean / count * mean / count);
   }
 };
-
-const std::vector<double>& all_levels() {
-  static const std::vector<double> clamps = [] {
-    std::vector<double> made;
-    for (int level = 0; level < kClampLevelCount; ++level) made.push_back(clamp_per_m2(level));
-    return made;
-  }();
-  return clamps;
-}
 
 // Of one VPL count: squares by object and level, and times.
 struct CountRun {

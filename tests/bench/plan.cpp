@@ -2,7 +2,6 @@
 #include "renderer/plan.h"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <functional>
 #include <vector>
@@ -11,18 +10,16 @@
 #include "renderer/lightcut.h"
 #include "renderer/lights.h"
 #include "renderer/reference.h"
+#include "tests/bench/bench.h"
 
 namespace equilux {
 namespace {
 
+using bench::all_levels;
+using bench::time_s;
+
 constexpr int kTurns = 5;
 constexpr const char* kStudyMaterials[] = {"MS", "MR", "BS", "BR", "GS"};
-
-double time_s(const std::function<void()>& body) {
-  const auto start = std::chrono::steady_clock::now();
-  body();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + kTurns / 2, values.end());
@@ -69,15 +66,6 @@ struct Stage {
     equilux::trace_layers(family(), make_fixed_maps(primary, paths), 1, "bench", {}, [](double) {});
   }
 };
-
-const std::vector<double>& all_levels() {
-  static const std::vector<double> clamps = [] {
-    std::vector<double> made;
-    for (int level = 0; level < kClampLevelCount; ++level) made.push_back(clamp_per_m2(level));
-    return made;
-  }();
-  return clamps;
-}
 
 void cut(const Stage& stage, const LightTree& tree, const Material& material,
          const std::vector<double>& clamps) {
