@@ -63,6 +63,16 @@ void check_reference_materials(const Study& study, const std::string& source) {
   }
 }
 
+// Where the study does not say: sets where a noise target rules, which they need.
+ReferenceMethod parse_reference(const Study& study, const std::string& source) {
+  const Json* reference = study.source.find("reference");
+  if (!reference) return study.paths ? ReferenceMethod::kPath : ReferenceMethod::kCompensated;
+  if (reference->as_string() == "path") return ReferenceMethod::kPath;
+  if (study.paths)
+    throw InputError(source, "/reference", "path, since /paths fixes their number", reference->as_string());
+  return ReferenceMethod::kCompensated;
+}
+
 template <typename T>
 std::vector<T> without_repetition(const std::vector<T>& values) {
   std::vector<T> unique;
@@ -110,6 +120,7 @@ Study load_study(const fs::path& path) {
   const Json& noise = json.at("noise_target");
   study.noise_target = {noise.at("object_mean").as_double(), noise.at("object_p99").as_double(),
                         noise.at("outside_mean").as_double()};
+  study.reference = parse_reference(study, source);
   study.tone_key = json.at("tone_key").as_double();
   study.exposure = json.at("exposure").as_string() == "whole" ? Exposure::kWhole : Exposure::kBackground;
   for (const std::string& text : json.at("clamp_levels").as_strings()) {

@@ -44,6 +44,10 @@ enum class Exposure {
   kBackground,
   kWhole
 };  ///< pixels that set a family's tone curve: of coverage 0, or all
+/// How the object's indirect light in a reference is made; both ways are unbiased. Compensated: the mean of
+/// independent VPL sets and what their clamp takes, by paths, where that is foreseen to be faster.
+enum class ReferenceMethod { kPath, kCompensated };
+
 /// How a VPL sends its light on: by the diffuse part of the surface it lies on, as the paper's formula says,
 /// or by all of its BRDF.
 enum class Emission { kLambertian, kFull };
@@ -66,6 +70,7 @@ struct Study {
   std::optional<PathCounts>
       paths;  ///< of references; empty: as many as noise_target asks for, pixel by pixel
   NoiseTarget noise_target;
+  ReferenceMethod reference = ReferenceMethod::kPath;
   Emission emission = Emission::kLambertian;
   double tone_key = 0.18;
   Exposure exposure = Exposure::kBackground;

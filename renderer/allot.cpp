@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/parallel.h"
+
 namespace equilux {
 namespace {
 
-// What is foreseen over what is asked. The lattice may make the mean a tenth smaller than the pilot shows, or
-// not. The spread that 16 batches show errs by a sixth, which lifts the percentile of what is measured above
-// that of what is meant.
+// What the mean is foreseen to be over what is asked. The lattice may make it a tenth smaller than the pilot
+// shows, or not.
 constexpr double kMarginOfMean = 0.97;
-constexpr double kMarginOfPercentile = 0.4;
 // Smoothing: over near pixels of a kind, and never far below what a pixel itself shows, or its wider
 // surroundings, where a rare bright path may yet come.
 constexpr int kNear = 2, kWide = 8;
@@ -29,47 +29,70 @@ PixelKind kind_of(float coverage) {
   return coverage < 1 ? PixelKind::kSilhouette : PixelKind::kObject;
 }
 
-// Means of boxes of (2 radius + 1)^2 pixels, over those of one kind only. shape: height x width
+// Means of boxes of (2 radius + 1)^2 pixels, over those of one kind only, where one of that kind lies. shape:
+// height x width
 class KindBlur {
  public:
   KindBlur(const HdrImage& coverage, PixelKind kind)
-      : width_(coverage.width), height_(coverage.height), member_(coverage.pixel_count()) {
-    for (std::size_t i = 0; i < member_.size(); ++i) member_[i] = kind_of(coverage.values[i]) == kind ? 1 : 0;
+      : width_(coverage.width),
+        member_(coverage.pixel_count()),
+        left_(coverage.width),
+        top_(coverage.height) {
+    for (int y = 0; y < coverage.height; ++y) {
+      for (int x = 0; x < width_; ++x) {
+        const std::size_t i = index_of(x, y);
+        if (kind_of(coverage.values[i]) != kind) continue;
+        member_[i] = 1;
+        left_ = std::min(left_, x), right_ = std::max(right_, x);
+        top_ = std::min(top_, y), bottom_ = std::max(bottom_, y);
+      }
+    }
   }
 
-  std::vector<double> apply(const std::vector<double>& values, int radius) const {
+  // Over those alone that a pilot has seen.
+  KindBlur(const HdrImage& coverage, PixelKind kind, const PathMap& seen) : KindBlur(coverage, kind) {
+    for (std::size_t i = 0; i < member_.size(); ++i) member_[i] *= seen[i] > 0 ? 1 : 0;
+  }
+
+  // How many such pixels are near.
+  std::vector<double> count_near(int radius) const { return sum_boxes(member_, radius); }
+
+  // 0 where no such pixel is near.
+  std::vector<double> apply(const std::vector<double>& values, int radius,
+                            const std::vector<double>& near) const {
     std::vector<double> masked(values.size());
     for (std::size_t i = 0; i < values.size(); ++i) masked[i] = values[i] * member_[i];
-    const auto sums = sum_boxes(masked, radius), counts = sum_boxes(member_, radius);
-    for (std::size_t i = 0; i < values.size(); ++i) masked[i] = counts[i] > 0 ? sums[i] / counts[i] : 0;
+    const auto sums = sum_boxes(masked, radius);
+    for (std::size_t i = 0; i < values.size(); ++i) masked[i] = near[i] > 0 ? sums[i] / near[i] : 0;
     return masked;
   }
 
  private:
-  std::vector<double> sum_boxes(const std::vector<double>& values, int radius) const {
-    return sum_lines(sum_lines(values, radius, width_, 1, height_, width_), radius, height_, width_, width_,
-                     1);
+  std::size_t index_of(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
-  // Sums along lines of `length` pixels that lie `stride` apart.
-  static std::vector<double> sum_lines(const std::vector<double>& values, int radius, int length, int stride,
-                                       int lines, int line_stride) {
-    std::vector<double> sums(values.size());
-    for (int line = 0; line < lines; ++line) {
-      const auto at = [&](int i) {
-        return static_cast<std::size_t>(line) * static_cast<std::size_t>(line_stride) +
-               static_cast<std::size_t>(i) * static_cast<std::size_t>(stride);
-      };
-      for (int i = 0; i < length; ++i) {
-        const int first = std::max(0, i - radius), last = std::min(length - 1, i + radius);
-        for (int j = first; j <= last; ++j) sums[at(i)] += values[at(j)];
+  // Within the box of the kind's pixels: outside there are none.
+  std::vector<double> sum_boxes(const std::vector<double>& values, int radius) const {
+    std::vector<double> rows(values.size()), sums(values.size());
+    for (int y = top_; y <= bottom_; ++y) {
+      for (int x = left_; x <= right_; ++x) {
+        double& sum = rows[index_of(x, y)];
+        for (int j = std::max(left_, x - radius); j <= std::min(right_, x + radius); ++j)
+          sum += values[index_of(j, y)];
+      }
+    }
+    for (int y = top_; y <= bottom_; ++y) {
+      for (int j = std::max(top_, y - radius); j <= std::min(bottom_, y + radius); ++j) {
+        for (int x = left_; x <= right_; ++x) sums[index_of(x, y)] += rows[index_of(x, j)];
       }
     }
     return sums;
   }
 
-  int width_, height_;
+  int width_;
   std::vector<double> member_;
+  int left_, right_ = -1, top_, bottom_ = -1;
 };
 
 // Channel c of an image. shape: height x width
@@ -85,34 +108,160 @@ std::vector<double> take_variance(const HdrImage& standard_error, std::size_t c)
   return values;
 }
 
-std::vector<double> smooth_variance(const KindBlur& blur, const std::vector<double>& variance) {
-  std::vector<double> smooth = blur.apply(variance, kNear);
-  const std::vector<double> wide = blur.apply(variance, kWide);
-  for (std::size_t i = 0; i < smooth.size(); ++i)
-    smooth[i] = std::max({smooth[i], kFloorOfOwn * variance[i], kFloorOfWide * wide[i]});
-  return smooth;
+double after(const PixelError& error, double paths) {
+  return std::hypot(error.given, error.of_paths / std::sqrt(paths));
 }
 
-using Channels = std::array<std::vector<double>, 3>;
+// In each batch and at each position.
+double count_most_paths(int positions) {
+  return static_cast<double>(kMostPathsAPixel) / (kBatches * positions);
+}
 
-// Each kind by itself: the object's light differs from that of the room behind it.
-Channels smooth_by_kind(const HdrImage& coverage, const HdrImage& image, const auto& smooth) {
-  Channels channels;
-  for (std::size_t c = 0; c < 3; ++c) {
-    channels[c].resize(image.pixel_count());
-    for (const PixelKind kind : kPixelKinds) {
-      const std::vector<double> values = smooth(KindBlur(coverage, kind), image, c);
-      for (std::size_t i = 0; i < values.size(); ++i) {
-        if (kind_of(coverage.values[i]) == kind) channels[c][i] = values[i];
+// Where what is given alone is over the bound, paths are not to add much to it.
+constexpr double kLeastRoom = 0.5;
+
+// Paths for errors S of one class: max(1, lambda S^(2/3), (S / bound)^2), the least lambda whose mean error
+// meets the target.
+std::vector<double> spend(const std::vector<PixelError>& errors, double mean_target, double bound,
+                          double most) {
+  if (errors.empty()) return {};
+  std::vector<double> sizes;
+  for (const PixelError& error : errors) sizes.push_back(error.of_paths);
+  const double cap = nearest_rank(sizes, kRankOfBound);
+  const auto floor_of = [&](const PixelError& error) {
+    if (!(bound > 0)) return 1.0;
+    const double room = std::max(bound * bound - error.given * error.given, std::pow(kLeastRoom * bound, 2));
+    return std::pow(std::min(error.of_paths, cap), 2) / room;
+  };
+  const auto paths_at = [&](const PixelError& error, double lambda) {
+    return std::min(most,
+                    std::max({1.0, floor_of(error), lambda * std::cbrt(error.of_paths * error.of_paths)}));
+  };
+  const auto mean_error = [&](double lambda) {
+    double sum = 0;
+    for (const PixelError& error : errors) sum += after(error, paths_at(error, lambda));
+    return sum / static_cast<double>(errors.size());
+  };
+  double low = 0, high = 1;
+  while (mean_error(high) > mean_target && high < 1e12) high *= 4;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = (low + high) / 2;
+    (mean_error(middle) > mean_target ? low : high) = middle;
+  }
+  std::vector<double> paths;
+  for (const PixelError& error : errors) paths.push_back(paths_at(error, high));
+  return paths;
+}
+
+std::uint32_t share_of(double paths, double error, double sum) {
+  return sum > 0 ? static_cast<std::uint32_t>(std::ceil(std::max(1.0, paths * error / sum))) : 1;
+}
+
+// Pixels of one kind that were not seen, from the nearest that were.
+void fill_kind(TracedLayer& layer, const PathMap& seen, const HdrImage& coverage, PixelKind kind,
+               int radius) {
+  const KindBlur blur(coverage, kind, seen);
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] == 0 && kind_of(coverage.values[i]) == kind) left.push_back(i);
+  }
+  const int widest = std::max(coverage.width, coverage.height);
+  for (int reach = radius; !left.empty() && reach < 4 * widest; reach *= 4) {
+    const std::vector<double> near = blur.count_near(reach);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto mean = blur.apply(take_channel(layer.mean, c), reach, near),
+                 variance = blur.apply(take_variance(layer.standard_error, c), reach, near);
+      for (const std::size_t i : left) {
+        if (!(near[i] > 0)) continue;
+        layer.mean.pixel(i)[c] = static_cast<float>(mean[i]);
+        layer.standard_error.pixel(i)[c] = static_cast<float>(std::sqrt(variance[i]));
       }
     }
+    std::erase_if(left, [&](std::size_t i) { return near[i] > 0; });
   }
+}
+
+}  // namespace
+
+void fill_between(TracedLayer& layer, const PathMap& seen, const HdrImage& coverage, int radius) {
+  for (const PixelKind kind : {PixelKind::kSilhouette, PixelKind::kObject})
+    fill_kind(layer, seen, coverage, kind, radius);
+}
+
+std::vector<double> foresee_paths(const std::vector<PixelError>& errors, int positions,
+                                  const NoiseTarget& target, double percentile) {
+  return spend(errors, kMarginOfMean * target.object_mean, percentile * target.object_p99,
+               count_most_paths(positions));
+}
+
+// Blurs of each kind, with what they need at both radii.
+class PixelKinds {
+ public:
+  explicit PixelKinds(const HdrImage& coverage) : coverage_(coverage) {
+    for (const PixelKind kind : kPixelKinds) {
+      const KindBlur blur(coverage, kind);
+      kinds_.push_back({kind, blur, blur.count_near(kNear), blur.count_near(kWide)});
+    }
+  }
+
+  std::vector<double> smooth(const std::vector<double>& values) const {
+    return join(values, [&](const Kind& kind) { return kind.blur.apply(values, kNear, kind.near); });
+  }
+
+  // Never far below a pixel's own, or its wider surroundings'.
+  std::vector<double> smooth_variance(const std::vector<double>& variance) const {
+    return join(variance, [&](const Kind& kind) {
+      std::vector<double> smooth = kind.blur.apply(variance, kNear, kind.near);
+      const std::vector<double> wide = kind.blur.apply(variance, kWide, kind.wide);
+      for (std::size_t i = 0; i < smooth.size(); ++i)
+        smooth[i] = std::max({smooth[i], kFloorOfOwn * variance[i], kFloorOfWide * wide[i]});
+      return smooth;
+    });
+  }
+
+ private:
+  struct Kind {
+    PixelKind kind;
+    KindBlur blur;
+    std::vector<double> near, wide;
+  };
+
+  // Each kind by itself: the object's light differs from that of the room behind it. What is 0 stays so.
+  std::vector<double> join(const std::vector<double>& values, const auto& smooth) const {
+    std::vector<double> joined(values.size());
+    for (const Kind& kind : kinds_) {
+      const auto is_of_kind = [&](std::size_t i) { return kind_of(coverage_.values[i]) == kind.kind; };
+      bool any = false;
+      for (std::size_t i = 0; i < values.size() && !any; ++i) any = values[i] != 0 && is_of_kind(i);
+      if (!any) continue;
+      const std::vector<double> of_kind = smooth(kind);
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        if (is_of_kind(i)) joined[i] = of_kind[i];
+      }
+    }
+    return joined;
+  }
+
+  const HdrImage& coverage_;
+  std::vector<Kind> kinds_;
+};
+
+DisplayPilot::DisplayPilot(const std::vector<const HdrImage*>& layers, const HdrImage& coverage,
+                           Exposure exposure, double tone_key)
+    : coverage_(coverage), kinds_(std::make_shared<const PixelKinds>(coverage)) {
+  const HdrImage reference = composite(layers);
+  tone_ = make_tone_curve(reference, coverage, exposure, tone_key);
+  mean_ = smooth(reference);
+}
+
+std::array<std::vector<double>, 3> DisplayPilot::smooth(const HdrImage& layer) const {
+  std::array<std::vector<double>, 3> channels;
+  for_each_parallel(3, [&](std::size_t c) { channels[c] = kinds_->smooth(take_channel(layer, c)); });
   return channels;
 }
 
-// Displayed size of a small change of radiance: largest channel. units: steps of 255
-double display_size(const ToneRecord& tone, const std::array<double, 3>& mean,
-                    const std::array<double, 3>& change) {
+double DisplayPilot::find_size(std::size_t pixel, const std::array<double, 3>& change) const {
+  const std::array<double, 3> mean{mean_[0][pixel], mean_[1][pixel], mean_[2][pixel]};
   // Small beside the mean, so that the curve is straight there.
   double scale = 1;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -124,91 +273,59 @@ double display_size(const ToneRecord& tone, const std::array<double, 3>& mean,
     low[c] = static_cast<float>(mean[c] - scale * change[c]);
     high[c] = static_cast<float>(mean[c] + scale * change[c]);
   }
-  const auto below = eval_display(tone, low.data()), above = eval_display(tone, high.data());
+  const auto below = eval_display(tone_, low.data()), above = eval_display(tone_, high.data());
   double largest = 0;
   for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, (above[c] - below[c]) / (2 * scale));
   return largest;
 }
 
-// Displayed standard error of a layer for one path a batch and position. shape: height x width
-std::vector<double> find_display_errors(const TracedLayer& layer, const PathMap& map,
-                                        const HdrImage& coverage, const Channels& mean,
-                                        const ToneRecord& tone) {
-  const Channels variance = smooth_by_kind(coverage, layer.standard_error,
-                                           [](const KindBlur& blur, const HdrImage& image, std::size_t c) {
-                                             return smooth_variance(blur, take_variance(image, c));
-                                           });
-  std::vector<double> errors(coverage.pixel_count());
+std::vector<double> DisplayPilot::find_errors(const TracedLayer& layer, const PathMap& map) const {
+  std::array<std::vector<double>, 3> variance;
+  for_each_parallel(3, [&](std::size_t c) {
+    variance[c] = kinds_->smooth_variance(take_variance(layer.standard_error, c));
+  });
+  std::vector<double> errors(coverage_.pixel_count());
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    errors[i] = display_size(tone, {mean[0][i], mean[1][i], mean[2][i]},
-                             {std::sqrt(variance[0][i] * map[i]), std::sqrt(variance[1][i] * map[i]),
+    errors[i] = find_size(i, {std::sqrt(variance[0][i] * map[i]), std::sqrt(variance[1][i] * map[i]),
                               std::sqrt(variance[2][i] * map[i])});
   }
   return errors;
 }
 
-// Paths a batch and position for errors S of one class: max(1, lambda S^(2/3), (S / bound)^2), the least
-// lambda whose mean of S / sqrt(N) meets the target.
-std::vector<double> spend(const std::vector<double>& errors, double mean_target, double bound, double most) {
-  if (errors.empty()) return {};
-  const double cap = nearest_rank(errors, kRankOfBound);
-  const auto paths_at = [&](double error, double lambda) {
-    const double floor = bound > 0 ? std::pow(std::min(error, cap) / bound, 2) : 1;
-    return std::min(most, std::max({1.0, floor, lambda * std::cbrt(error * error)}));
-  };
-  const auto mean_error = [&](double lambda) {
-    double sum = 0;
-    for (double error : errors) sum += error / std::sqrt(paths_at(error, lambda));
-    return sum / static_cast<double>(errors.size());
-  };
-  double low = 0, high = 1;
-  while (mean_error(high) > mean_target && high < 1e12) high *= 4;
-  for (int i = 0; i < 50; ++i) {
-    const double middle = (low + high) / 2;
-    (mean_error(middle) > mean_target ? low : high) = middle;
-  }
-  std::vector<double> paths;
-  for (double error : errors) paths.push_back(paths_at(error, high));
-  return paths;
-}
-
-std::uint32_t share_of(double paths, double error, double sum) {
-  return sum > 0 ? static_cast<std::uint32_t>(std::ceil(std::max(1.0, paths * error / sum))) : 1;
-}
-
-}  // namespace
-
-PathMaps allot_paths(const TracedLayers& pilot, const PathMaps& pilot_maps, const HdrImage& coverage,
-                     int positions, Exposure exposure, double tone_key, const NoiseTarget& target) {
-  const HdrImage reference = composite({&pilot.background.mean, &pilot.direct.mean, &pilot.indirect.mean});
-  const ToneRecord tone = make_tone_curve(reference, coverage, exposure, tone_key);
-  const Channels mean =
-      smooth_by_kind(coverage, reference, [](const KindBlur& blur, const HdrImage& image, std::size_t c) {
-        return blur.apply(take_channel(image, c), kNear);
-      });
-  const auto background = find_display_errors(pilot.background, pilot_maps.background, coverage, mean, tone);
-  const auto direct = find_display_errors(pilot.direct, pilot_maps.direct, coverage, mean, tone);
-  const auto indirect = find_display_errors(pilot.indirect, pilot_maps.indirect, coverage, mean, tone);
-  const auto most = static_cast<double>(kMostPathsAPixel) / (kBatches * positions);
+PathMaps allot_paths(const LayerErrors& errors, const HdrImage& coverage, int positions,
+                     const NoiseTarget& target) {
+  const auto& [background, direct, indirect, given] = errors;
   PathMaps maps{PathMap(background.size(), 1), PathMap(background.size(), 1), PathMap(background.size(), 1)};
   for (const bool object : {true, false}) {
     std::vector<std::size_t> members;
-    std::vector<double> sums;
+    std::vector<PixelError> sums;
     for (std::size_t i = 0; i < background.size(); ++i) {
       if ((coverage.values[i] > 0) != object) continue;
       members.push_back(i);
-      sums.push_back(background[i] + direct[i] + indirect[i]);
+      sums.push_back({background[i] + direct[i] + indirect[i], given.empty() ? 0 : given[i]});
     }
-    const auto paths = spend(sums, kMarginOfMean * (object ? target.object_mean : target.outside_mean),
-                             object ? kMarginOfPercentile * target.object_p99 : 0, most);
+    const auto paths = object
+                           ? foresee_paths(sums, positions, target,
+                                           given.empty() ? kPercentileOfPaths : kPercentileBesideSets)
+                           : spend(sums, kMarginOfMean * target.outside_mean, 0, count_most_paths(positions));
     for (std::size_t j = 0; j < members.size(); ++j) {
       const std::size_t i = members[j];
-      maps.background[i] = share_of(paths[j], background[i], sums[j]);
-      maps.direct[i] = share_of(paths[j], direct[i], sums[j]);
-      maps.indirect[i] = share_of(paths[j], indirect[i], sums[j]);
+      maps.background[i] = share_of(paths[j], background[i], sums[j].of_paths);
+      maps.direct[i] = share_of(paths[j], direct[i], sums[j].of_paths);
+      maps.indirect[i] = share_of(paths[j], indirect[i], sums[j].of_paths);
     }
   }
   return maps;
+}
+
+PathMaps allot_paths(const TracedLayers& pilot, const PathMaps& pilot_maps, const HdrImage& coverage,
+                     int positions, Exposure exposure, double tone_key, const NoiseTarget& target) {
+  const DisplayPilot view({&pilot.background.mean, &pilot.direct.mean, &pilot.indirect.mean}, coverage,
+                          exposure, tone_key);
+  return allot_paths({view.find_errors(pilot.background, pilot_maps.background),
+                      view.find_errors(pilot.direct, pilot_maps.direct),
+                      view.find_errors(pilot.indirect, pilot_maps.indirect)},
+                     coverage, positions, target);
 }
 
 }  // namespace equilux

@@ -133,10 +133,7 @@ VplList trace_run_vpls(const LitScene& scene, std::int64_t vpls, std::uint64_t s
     return find_path_count(scene.world, vpls, seed);
   }();
   const StageClock clock(times, "VPL tracing");
-  VplSet set = trace_vpls(scene.world, scene.materials, paths, seed, kStream, scene.emission);
-  VplList list = std::move(set.shared);
-  list.append(set.own);
-  return list;
+  return join_vpls(trace_vpls(scene.world, scene.materials, paths, seed, kStream, scene.emission));
 }
 
 LightTree make_run_tree(const LitScene& scene, std::int64_t vpls, std::uint64_t seed, StageTimes* times) {

@@ -30,7 +30,7 @@ bool LayerStore::is_other(const std::string& name, const std::string& recipe) co
 }
 
 void LayerStore::save(const std::string& name, const std::string& recipe, const HdrImage& image,
-                      ExrMetadata metadata, const VplRecord& vpls) {
+                      ExrMetadata metadata, const VplRecord& vpls, Json reference) {
   const std::string file = "layers/" + name + ".exr";
   metadata["equilux_layer"] = name;
   metadata["equilux_study"] = layers_.study_name;
@@ -44,6 +44,7 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
                            vpls.count,
                            vpls.vpls,
                            vpls.errors_1e5,
+                           std::move(reference),
                            format_isa(current_isa())};
 }
 

@@ -29,7 +29,7 @@ class LayerStore {
   bool is_other(const std::string& name, const std::string& recipe) const;
 
   void save(const std::string& name, const std::string& recipe, const HdrImage& image, ExrMetadata metadata,
-            const VplRecord& vpls = {});
+            const VplRecord& vpls = {}, Json reference = {});
 
   /// Writes layers.json. Called after each group of layers and at the end.
   void save_record() const { save_layers(layers_, folder_.layers()); }

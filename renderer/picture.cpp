@@ -119,8 +119,7 @@ void shade_objects(const PictureScene& scene, const PictureParams& params, Pictu
   with_vpl_memory(*params.vpl_count, [&] {
     VplSet vpls = trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
     picture.vpl_count = vpls.count();
-    lights.list = std::move(vpls.shared);
-    lights.list.append(vpls.own);
+    lights.list = join_vpls(std::move(vpls));
     if (!is_summed_plainly(*params.vpl_count))
       lights.tree = make_light_tree(std::move(lights.list), {params.seed, 4});
   });

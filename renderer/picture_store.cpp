@@ -46,13 +46,17 @@ void PictureStore::save(const std::string& key, const std::string& made_from, co
   }
   const std::string file = "pictures/" + key + ".png";
   save_text(folder_.root / file, bytes);
-  manifest_.pictures[key] = {file, digest, made_from, {}, {}};
+  manifest_.pictures[key] = {file, digest, made_from, {}, {}, {}};
 }
 
-void PictureStore::set_error(const std::string& key, Json standard_error, Json vpls) {
+void PictureStore::set_error(const std::string& key, Json standard_error, Json reference) {
   PictureRecord& record = manifest_.pictures.at(key);
   record.standard_error = std::move(standard_error);
-  record.vpls = std::move(vpls);
+  record.reference = std::move(reference);
+}
+
+void PictureStore::set_vpls(const std::string& key, Json vpls) {
+  manifest_.pictures.at(key).vpls = std::move(vpls);
 }
 
 void PictureStore::set_tone(const std::string& reference_key, const ToneRecord& tone) {

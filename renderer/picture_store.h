@@ -27,8 +27,10 @@ class PictureStore {
   /// errors: InputError if the picture may have been shown and is another now; StoreError.
   void save(const std::string& key, const std::string& made_from, const LdrImage& picture);
 
-  /// What the record of a picture that is there says of its error: of a reference, else of a VPL picture.
-  void set_error(const std::string& key, Json standard_error, Json vpls);
+  /// What the record of a reference that is there says of its error, and how it was made.
+  void set_error(const std::string& key, Json standard_error, Json reference);
+  /// The same of a VPL picture.
+  void set_vpls(const std::string& key, Json vpls);
 
   void set_tone(const std::string& reference_key, const ToneRecord& tone);
 

@@ -11,6 +11,9 @@ namespace {
 constexpr double kPathsForOneStepOnObject = 6000;
 constexpr double kPathsForOneStepOutside = 2000;
 
+// Work of compensated VPL sets over that of path tracing, roughly.
+constexpr double kCompensatedShare = 0.2;
+
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;
 
@@ -71,6 +74,7 @@ ReferenceParams make_reference_params(const Study& study, const Family& family) 
   ReferenceParams params;
   params.fixed = study.paths;
   params.target = study.noise_target;
+  params.method = study.reference;
   params.exposure = study.exposure;
   params.tone_key = study.tone_key;
   params.seed = study.seed;
@@ -86,7 +90,9 @@ double estimate_background_paths(const ReferenceParams& params, const Primary& p
 
 double estimate_object_paths(const ReferenceParams& params, const Primary& primary) {
   const double traced = count_object(primary, guess_maps(params, primary));
-  return params.fixed ? traced : traced + count_object(primary, make_pilot_maps(primary));
+  if (params.fixed) return traced;
+  if (params.method == ReferenceMethod::kCompensated) return kCompensatedShare * traced;
+  return traced + count_object(primary, make_pilot_maps(primary));
 }
 
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
@@ -116,47 +122,112 @@ std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span
   return trace_backgrounds(world, materials, primary, job, params.background_stream_name, progress);
 }
 
-PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
-                      const FamilyProgress& progress) {
-  const PathMap none = make_no_paths(plan.map);
-  if (params.fixed) {
-    PathMaps maps = make_fixed_maps(scene.primary, *params.fixed);
-    maps.background = none;
-    return maps;
-  }
+namespace {
+
+// A pilot of the object, and beside it the room's.
+struct PathPilot {
+  TracedLayers layers;
+  PathMaps maps;
+};
+
+PathPilot fly(const FamilyScene& scene, const BackgroundPlan& plan, PathMaps maps,
+              const ReferenceParams& params, const std::string& name, const FamilyProgress& progress) {
+  maps.background = make_no_paths(plan.map);
+  TracedLayers layers =
+      trace_layers(scene, maps, params.seed, params.stream_name + name, params.measures, progress.advance);
+  layers.background = plan.pilot;
+  maps.background = plan.pilot_map;
+  return {std::move(layers), std::move(maps)};
+}
+
+PathMaps allot_by_pilots(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
+                         const FamilyProgress& progress) {
   const HdrImage coverage = make_coverage(scene.primary);
-  const auto fly = [&](PathMaps maps, const std::string& name) {
-    maps.background = none;
-    TracedLayers pilot =
-        trace_layers(scene, maps, params.seed, params.stream_name + name, params.measures, progress.advance);
-    pilot.background = plan.pilot;
-    maps.background = plan.pilot_map;
-    PathMaps allotted = allot_by(pilot, maps, coverage, scene.primary.positions, params);
-    allotted.background = none;
-    return allotted;
+  const auto allot = [&](const PathPilot& by) {
+    PathMaps maps = allot_by(by.layers, by.maps, coverage, scene.primary.positions, params);
+    maps.background = make_no_paths(plan.map);
+    return maps;
   };
   const PathMaps first = make_pilot_maps(scene.primary);
-  PathMaps maps = fly(first, ".pilot");
+  PathMaps maps = allot(fly(scene, plan, first, params, ".pilot", progress));
   if (params.target.object_p99 < kSteepPercentile * params.target.object_mean) {
-    const PathMaps share{none, take_share(maps.direct, first.direct),
+    const PathMaps share{make_no_paths(plan.map), take_share(maps.direct, first.direct),
                          take_share(maps.indirect, first.indirect)};
     progress.expect_more(count_object(scene.primary, share));
-    maps = fly(share, ".second-pilot");
+    maps = allot(fly(scene, plan, share, params, ".second-pilot", progress));
   }
   progress.expect_more(count_object(scene.primary, maps) -
                        count_object(scene.primary, guess_maps(params, scene.primary)));
   return maps;
 }
 
-FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, TracedLayer background,
-                          const ReferenceParams& params, const FamilyProgress& progress) {
-  const PathMaps maps = allot_object(scene, plan, params, progress);
+// Every pixel of a small object, every second or third line and column of a large one.
+std::size_t find_pilot_stride(const HdrImage& coverage) {
+  const auto pixels = std::count_if(coverage.values.begin(), coverage.values.end(),
+                                    [](float covered) { return covered > 0; });
+  return pixels <= 4000 ? 1 : pixels <= 32000 ? 2 : 3;
+}
+
+ObjectPilot fly_between(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
+                        const FamilyProgress& progress) {
+  const HdrImage coverage = make_coverage(scene.primary);
+  const std::size_t stride = find_pilot_stride(coverage), width = static_cast<std::size_t>(coverage.width);
+  PathMaps all = make_pilot_maps(scene.primary), some = all;
+  for (std::size_t i = 0; i < coverage.pixel_count(); ++i) {
+    if (i % width % stride == 0 && i / width % stride == 0) continue;
+    some.direct[i] = some.indirect[i] = 0;
+  }
+  progress.expect_more(count_object(scene.primary, some));
+  PathPilot pilot = fly(scene, plan, some, params, ".sparse-pilot", progress);
+  const int reach = 1 + static_cast<int>(stride);
+  for (TracedLayer* layer : {&pilot.layers.direct, &pilot.layers.indirect})
+    fill_between(*layer, some.indirect, coverage, reach);
+  all.background = plan.pilot_map;
+  return {std::move(pilot.layers), std::move(all), std::move(some.indirect), reach};
+}
+
+FamilyLayers join_layers(TracedLayers layers, double paths) {
+  HdrImage standard_error = combine_standard_errors(layers);
+  return {std::move(layers.background.mean), std::move(layers.direct.mean), std::move(layers.indirect.mean),
+          std::move(standard_error), paths};
+}
+
+FamilyLayers trace_by_paths(const FamilyScene& scene, const PathMaps& maps, TracedLayer background,
+                            const ReferenceParams& params, const FamilyProgress& progress) {
   TracedLayers layers =
       trace_layers(scene, maps, params.seed, params.stream_name, params.measures, progress.advance);
   layers.background = std::move(background);
-  HdrImage standard_error = combine_standard_errors(layers);
-  return {std::move(layers.background.mean), std::move(layers.direct.mean), std::move(layers.indirect.mean),
-          std::move(standard_error), count_object(scene.primary, maps)};
+  return join_layers(std::move(layers), count_object(scene.primary, maps));
+}
+
+}  // namespace
+
+PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
+                      const FamilyProgress& progress) {
+  if (!params.fixed) return allot_by_pilots(scene, plan, params, progress);
+  PathMaps maps = make_fixed_maps(scene.primary, *params.fixed);
+  maps.background = make_no_paths(plan.map);
+  return maps;
+}
+
+FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, TracedLayer background,
+                          const ReferenceParams& params, const FamilyProgress& progress) {
+  const bool by_sets = !params.fixed && params.method == ReferenceMethod::kCompensated;
+  if (by_sets && scene.world.objects().size() == 1) {
+    progress.expect_more(-estimate_object_paths(params, scene.primary));
+    const ObjectPilot pilot = fly_between(scene, plan, params, progress);
+    if (std::optional<CompensatedObject> object = trace_compensated(scene, pilot, params, progress)) {
+      FamilyLayers layers = join_layers(
+          {std::move(background), std::move(object->direct), std::move(object->indirect)}, object->paths);
+      layers.sets = std::move(object->measures);
+      return layers;
+    }
+    ReferenceParams by_paths = params;
+    by_paths.method = ReferenceMethod::kPath;
+    progress.expect_more(estimate_object_paths(by_paths, scene.primary));
+  }
+  return trace_by_paths(scene, allot_object(scene, plan, params, progress), std::move(background), params,
+                        progress);
 }
 
 FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,

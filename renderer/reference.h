@@ -1,9 +1,10 @@
-// References: the path-traced layers of a family, with as many paths as their noise target asks for.
+// References: the unbiased layers of a family, with as many paths, or VPL sets, as their noise target asks
+// for.
 #pragma once
 
 #include <optional>
 
-#include "renderer/allot.h"
+#include "renderer/compensated.h"
 
 namespace equilux {
 
@@ -11,17 +12,7 @@ namespace equilux {
 struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
   double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
-};
-
-struct ReferenceParams {
-  std::optional<PathCounts> fixed;  ///< the same at every pixel; else by a pilot for the target
-  NoiseTarget target;
-  Exposure exposure = Exposure::kBackground;
-  double tone_key = 0.18;
-  std::uint64_t seed = 1;
-  std::string stream_name;             ///< the pilot's has another: it is thrown away
-  std::string background_stream_name;  ///< the same for every material of the object
-  PathMeasures measures;
+  std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation
 };
 
 /// Of the room's random numbers, the same for every material of the object.
@@ -34,12 +25,6 @@ ReferenceParams make_reference_params(const Study& study, const Family& family);
 /// units: paths
 double estimate_background_paths(const ReferenceParams& params, const Primary& primary);
 double estimate_object_paths(const ReferenceParams& params, const Primary& primary);
-
-/// Called from any thread: paths done, and a correction of the work foreseen.
-struct FamilyProgress {
-  std::function<void(double)> advance;
-  std::function<void(double)> expect_more;
-};
 
 /// The room of one geometry, illumination and view. Its paths are the same whatever the object is made of:
 /// its pilot sees a grey one.

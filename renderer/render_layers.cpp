@@ -74,6 +74,28 @@ Materials materials_of(const GroupJob& job, const std::string& material) {
   return make_materials(job.world, find_material(job.scene, material));
 }
 
+// Of a reference's indirect light, for the records.
+Json tell_reference(const FamilyLayers& layers) {
+  Json json;
+  json.set("method", layers.sets ? "compensated" : "path");
+  json.set("paths", layers.sets ? layers.sets->compensation_paths : layers.paths);
+  if (!layers.sets) return json;
+  const SetMeasures& sets = *layers.sets;
+  json.set("clamp", format_clamp(sets.clamp_level)).set("sets", sets.sets).set("vpls", sets.mean_vpls);
+  json.set("error_ratio", sets.error_ratio).set("cut_size", sets.mean_clusters);
+  Json check{Json::Array{}};
+  for (const RegionCheck& region : sets.regions) {
+    Json row;
+    row.set("region", region.name).set("pixels", static_cast<std::int64_t>(region.light.pixels));
+    row.set("mean", region.light.mean).set("standard_error", region.light.standard_error);
+    row.set("path_traced", region.traced.mean).set("path_traced_error", region.traced.standard_error);
+    row.set("z", region.z());
+    check.push(std::move(row));
+  }
+  json.set("check", std::move(check));
+  return json;
+}
+
 void save_family(const GroupJob& job, const Primary& primary, const Family& family,
                  const FamilyLayers& layers) {
   const Stopwatch watch(job.seconds["files"]);
@@ -85,7 +107,9 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
                                                           {"indirect", &layers.indirect},
                                                           {"standard_error", &layers.standard_error}};
   for (const char* content : kFamilyContents) {
-    job.store.save(layer_name(family, content), recipe, *by_content.at(content), {});
+    Json reference = content == std::string("indirect") ? tell_reference(layers) : Json();
+    job.store.save(layer_name(family, content), recipe, *by_content.at(content), {}, {},
+                   std::move(reference));
   }
   job.store.save_record();
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <set>
 
 #include "base/digest.h"
@@ -195,6 +196,22 @@ void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSu
   if (is_black(loaded.background)) summary.warnings.push_back(key + ": the background is black");
 }
 
+// Of a reference by VPL sets. Rare bright paths make some regions differ by more than chance of a normal
+// distribution would; this is beyond that.
+void warn_of_check(const Json& reference, const std::string& key, SetSummary& summary) {
+  constexpr double kMostErrors = 7;
+  const Json* check = reference.is_null() ? nullptr : reference.find("check");
+  if (!check) return;
+  for (const Json& region : check->as_array()) {
+    const double z = region.at("z").as_double();
+    if (std::abs(z) > kMostErrors)
+      summary.warnings.push_back(
+          fmt::format("{}: region {} differs from its path-traced check by {:.1f} standard "
+                      "errors",
+                      key, region.at("region").as_string(), z));
+  }
+}
+
 void tonemap_family(const Study& study, const LayerStore& store, const Family& family,
                     const std::vector<Condition>& conditions, PictureStore& pictures, SetSummary& summary) {
   const LoadedFamily loaded = load_family(study, store, family);
@@ -212,11 +229,13 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
     ++summary.pictures_written;
   };
   write(key, digest_text(loaded.digests), [&] { return loaded.indirect; });
-  pictures.set_error(key, make_json(loaded.noise), {});
+  const Json& reference = store.record(layer_name(family, "indirect")).reference;
+  pictures.set_error(key, make_json(loaded.noise), reference);
+  warn_of_check(reference, key, summary);
   for (const Condition& condition : conditions) {
     write(format_key(condition), digest_text(loaded.digests + " " + vpl_digests(store, condition)),
           [&] { return load_vpl_layer(store, condition); });
-    pictures.set_error(format_key(condition), {}, tell_vpls(store, vpl_layer_name(condition)));
+    pictures.set_vpls(format_key(condition), tell_vpls(store, vpl_layer_name(condition)));
   }
 }
 

@@ -198,6 +198,12 @@ void VplList::append(const VplList& other) {
   gloss.insert(gloss.end(), other.gloss.begin(), other.gloss.end());
 }
 
+VplList join_vpls(VplSet set) {
+  VplList list = std::move(set.shared);
+  list.append(set.own);
+  return list;
+}
+
 Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo) {
   const float cosine = dot(vpl.ng(), wo);
   if (!(cosine > 0)) return {};

@@ -75,6 +75,9 @@ struct VplSet {
   std::int64_t count() const { return static_cast<std::int64_t>(shared.size() + own.size()); }
 };
 
+/// Both parts of a set in one list.
+VplList join_vpls(VplSet set);
+
 /// Emission of a VPL of the list towards a unit direction, times the cosine at it. units: W/sr
 Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo);
 

@@ -37,17 +37,65 @@ struct LayerSums {
 // What the camera sees of one object through one subpixel position, and the totals of its rule.
 struct PositionPoints {
   std::vector<ShadingPoint> points;
-  ShadedPoints pilot;
+  ShadedPoints totals;
   LayerSums sums;
 };
 
-Primary take_position(const Primary& primary, int position) {
-  Primary taken{primary.width, primary.height, 1, {}};
-  for (std::size_t i = static_cast<std::size_t>(position); i < primary.hits.size();
-       i += static_cast<std::size_t>(primary.positions))
-    taken.hits.push_back(primary.hits[i]);
-  return taken;
+ShadedPoints look_up_totals(const HdrImage& image, const std::vector<ShadingPoint>& points) {
+  ShadedPoints totals{1, points.size(), {}};
+  for (const ShadingPoint& point : points) {
+    const float* p = image.pixel(point.pixel);
+    totals.radiance.push_back({p[0], p[1], p[2]});
+  }
+  return totals;
 }
+
+// Region means of one set after another, seen through one position each.
+class RegionSums {
+ public:
+  explicit RegionSums(const std::vector<int>& regions) : regions_(regions) {
+    for (const int region : regions) {
+      if (region < 0) continue;
+      pixels_.resize(std::max(pixels_.size(), static_cast<std::size_t>(region) + 1));
+      ++pixels_[static_cast<std::size_t>(region)];
+    }
+  }
+
+  void add(const HdrImage& layer, std::vector<double>& means) const {
+    means.resize(pixels_.size());
+    for (std::size_t i = 0; i < regions_.size(); ++i) {
+      if (regions_[i] < 0) continue;
+      const float* p = layer.pixel(i);
+      const auto region = static_cast<std::size_t>(regions_[i]);
+      means[region] += luminance({p[0], p[1], p[2]}) / static_cast<double>(pixels_[region]);
+    }
+  }
+
+  // shape of sets: position x set x region
+  std::vector<RegionLight> finish(const std::vector<std::vector<std::vector<double>>>& sets) const {
+    std::vector<RegionLight> regions(pixels_.size());
+    const auto positions = static_cast<double>(sets.size());
+    for (std::size_t region = 0; region < regions.size(); ++region) {
+      RegionLight& light = regions[region];
+      light.pixels = pixels_[region];
+      double variance = 0;
+      for (const auto& position : sets) {
+        const auto count = static_cast<double>(position.size());
+        double mean = 0, squares = 0;
+        for (const auto& set : position) mean += set[region] / count;
+        for (const auto& set : position) squares += (set[region] - mean) * (set[region] - mean);
+        light.mean += mean / positions;
+        variance += squares / (count - 1) / count;
+      }
+      light.standard_error = std::sqrt(variance) / positions;
+    }
+    return regions;
+  }
+
+ private:
+  const std::vector<int>& regions_;
+  std::vector<std::size_t> pixels_;
+};
 
 // Of an object's positions, each with `count` sets.
 TracedLayer join_positions(const std::vector<LayerSums>& positions, int count, const HdrImage& empty) {
@@ -68,7 +116,8 @@ TracedLayer join_positions(const std::vector<LayerSums>& positions, int count, c
 class SetTracer {
  public:
   SetTracer(const FamilyScene& scene, const VplSetsParams& params)
-      : scene_(scene), params_(params), positions_(scene.primary.positions) {
+      : scene_(scene), params_(params), positions_(scene.primary.positions), regions_(params.regions) {
+    region_means_.resize(static_cast<std::size_t>(positions_));
     std::vector<Primary> taken;
     for (int position = 0; position < positions_; ++position)
       taken.push_back(take_position(scene.primary, position));
@@ -82,12 +131,21 @@ class SetTracer {
 
   int count_sets() const { return count_vpl_sets(params_.sets, positions_); }
 
+  void use_totals() {
+    for (std::size_t object = 0; object < count_objects(); ++object) {
+      for (int position = 0; position < positions_; ++position) {
+        PositionPoints& part = at(object, position);
+        part.totals = look_up_totals(params_.totals[object], part.points);
+      }
+    }
+  }
+
   void trace_pilot() {
     const LightTree tree = make_tree("pilot", 0);
     for (std::size_t object = 0; object < count_objects(); ++object) {
       for (int position = 0; position < positions_; ++position) {
         PositionPoints& part = at(object, position);
-        part.pilot = cut(object, part.points, tree, {kPilotRatio, params_.floor});
+        part.totals = cut(object, part.points, tree, {kPilotRatio, params_.floor});
       }
     }
   }
@@ -96,14 +154,17 @@ class SetTracer {
   void trace_set(int set) {
     const LightTree tree = make_tree("set", static_cast<std::uint64_t>(set) + 1);
     vpls_ += static_cast<double>(tree.vpls.size());
+    std::vector<double> means;
     for (std::size_t object = 0; object < count_objects(); ++object) {
       PositionPoints& part = at(object, set % positions_);
       const ShadedPoints shaded =
-          cut(object, part.points, tree, {params_.error_ratio, params_.floor, &part.pilot, false});
+          cut(object, part.points, tree, {params_.error_ratio, params_.floor, &part.totals, false});
       HdrImage layer = make_black();
       add_to_layer(shaded, 0, 0, part.points, 1, layer);
       part.sums.add(layer);
+      regions_.add(layer, means);
     }
+    region_means_[static_cast<std::size_t>(set % positions_)].push_back(std::move(means));
   }
 
   VplSets finish() const {
@@ -118,18 +179,17 @@ class SetTracer {
     sets.mean_vpls = vpls_ / sets.sets;
     sets.mean_clusters = cuts_ > 0 ? clusters_ / cuts_ : 0;
     sets.shadow_rays = rays_;
+    sets.regions = regions_.finish(region_means_);
     return sets;
   }
 
  private:
   // Of VPLs that no other set has: each set's stream is its own.
   LightTree make_tree(const std::string& kind, std::uint64_t set) const {
-    VplSet vpls = trace_vpls(scene_.world, scene_.materials, params_.paths, params_.seed,
-                             fmt::format("{}.{}-{}", params_.stream_name, kind, set), params_.emission);
-    VplList list = std::move(vpls.shared);
-    list.append(vpls.own);
-    vpls = {};
-    return make_light_tree(std::move(list), {params_.seed + set, 4});
+    return make_light_tree(
+        join_vpls(trace_vpls(scene_.world, scene_.materials, params_.paths, params_.seed,
+                             fmt::format("{}.{}-{}", params_.stream_name, kind, set), params_.emission)),
+        {params_.seed + set, 4});
   }
 
   HdrImage make_black() const { return HdrImage(scene_.primary.width, scene_.primary.height); }
@@ -157,6 +217,8 @@ class SetTracer {
   const VplSetsParams& params_;
   int positions_;
   std::vector<PositionPoints> parts_;  // shape: object x position
+  RegionSums regions_;
+  std::vector<std::vector<std::vector<double>>> region_means_;  // shape: position x set x region
   double vpls_ = 0, clusters_ = 0, cuts_ = 0;
   std::uint64_t rays_ = 0;
 };
@@ -169,6 +231,14 @@ void check_finite_layers(const VplSets& sets, const std::string& name) {
 
 }  // namespace
 
+Primary take_position(const Primary& primary, int position) {
+  Primary taken{primary.width, primary.height, 1, {}};
+  for (std::size_t i = static_cast<std::size_t>(position); i < primary.hits.size();
+       i += static_cast<std::size_t>(primary.positions))
+    taken.hits.push_back(primary.hits[i]);
+  return taken;
+}
+
 int count_vpl_sets(int sets, int positions) {
   return std::max(2, (sets + positions - 1) / positions) * positions;
 }
@@ -178,9 +248,15 @@ VplSets trace_vpl_sets(const FamilyScene& scene, const VplSetsParams& params,
   EQ_CHECK(params.sets >= 1, params.sets);
   EQ_CHECK(params.clamps_per_m2.size() == scene.world.objects().size(), params.clamps_per_m2.size(),
            scene.world.objects().size());
+  EQ_CHECK(params.totals.empty() || params.totals.size() == params.clamps_per_m2.size(),
+           params.totals.size());
   SetTracer tracer(scene, params);
-  tracer.trace_pilot();
-  progress();
+  if (params.totals.empty()) {
+    tracer.trace_pilot();
+    progress();
+  } else {
+    tracer.use_totals();
+  }
   for (int set = 0; set < tracer.count_sets(); ++set) {
     tracer.trace_set(set);
     progress();

@@ -14,6 +14,17 @@ struct VplSetsParams {
   Emission emission = Emission::kLambertian;
   std::uint64_t seed = 1;
   std::string stream_name;
+  /// Of each object, radiance by which the rule of its cuts goes, from anything but the sets; empty: a
+  /// pilot's. units: W/(m^2 sr), not premultiplied
+  std::vector<HdrImage> totals = {};
+  /// Region of each pixel, or -1; empty: none.
+  std::vector<int> regions = {};
+};
+
+/// A mean over pixels, premultiplied. units: W/(m^2 sr), luminance
+struct RegionLight {
+  double mean = 0, standard_error = 0;
+  std::size_t pixels = 0;
 };
 
 struct VplSets {
@@ -23,17 +34,22 @@ struct VplSets {
   double mean_vpls = 0;      ///< of a set
   double mean_clusters = 0;  ///< of a point's cut
   std::uint64_t shadow_rays = 0;  ///< with the pilot's
+  /// Of all objects together; the errors are from the spread of whole sets, whose pixels err alike.
+  std::vector<RegionLight> regions = {};
 };
 
 /// So many sets or more: a multiple of the subpixel positions, and at least two of each, from whose
 /// difference the error is known.
 int count_vpl_sets(int sets, int positions);
 
+/// What the camera sees through one subpixel position alone.
+Primary take_position(const Primary& primary, int position);
+
 /// Each set is seen through one subpixel position, all positions equally often: neighbouring samples of a set
-/// err alike. The rule of the sets' cuts takes its totals from a pilot, one set more that is then thrown
-/// away: no cut depends on its own representatives, so the expectation is exactly the VPL sum's, clamped.
-/// With trace_compensation the sum is the path-traced layer. `progress` is told the pilot and each set done.
-/// errors: InputError for lack of memory or radiance that leaves the range of float
+/// err alike. The rule of the sets' cuts takes its totals from elsewhere, or from a pilot, one set more that
+/// is then thrown away: no cut depends on its own representatives, so the expectation is exactly the VPL
+/// sum's, clamped. With trace_compensation the sum is the path-traced layer. `progress` is told a pilot and
+/// each set done. errors: InputError for lack of memory or radiance that leaves the range of float
 VplSets trace_vpl_sets(const FamilyScene& scene, const VplSetsParams& params,
                        const std::function<void()>& progress);
 

@@ -13,6 +13,7 @@ namespace {
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
 constexpr int kPathEstimator = 5;
+constexpr int kCompensatedEstimator = 1;
 constexpr int kVplEstimator = 5;
 constexpr int kLightcutEstimator = 6;
 
@@ -91,6 +92,8 @@ std::string digest_family_recipe(const Recipes& recipes, const Family& family) {
     json.set("object_mean", target.object_mean).set("object_p99", target.object_p99);
     json.set("outside_mean", target.outside_mean).set("tone_key", study.tone_key);
     json.set("exposure", study.exposure == Exposure::kWhole ? "whole" : "background");
+    if (study.reference == ReferenceMethod::kCompensated)
+      json.set("reference", "compensated").set("reference_version", kCompensatedEstimator);
   }
   return digest_json(json);
 }

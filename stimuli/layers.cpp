@@ -27,6 +27,7 @@ Layers load_layers(const std::filesystem::path& path) {
                        row.at("made_from").as_string(), count ? count->as_int() : 0};
     if (const Json* vpls = row.find("vpls")) record.vpls = *vpls;
     if (const Json* errors = row.find("errors_1e5")) record.errors_1e5 = *errors;
+    if (const Json* reference = row.find("reference")) record.reference = *reference;
     if (const Json* isa = row.find("isa")) record.isa = isa->as_string();
     if (!layers.by_name.emplace(row.at("name").as_string(), std::move(record)).second) {
       throw InputError(path.string(), fmt::format("/layers/{}/name", i), "each layer once",
@@ -47,6 +48,7 @@ void save_layers(const Layers& layers, const std::filesystem::path& path) {
     if (layer.vpl_count > 0) row.set("vpl_count", layer.vpl_count);
     if (!layer.vpls.is_null()) row.set("vpls", layer.vpls);
     if (!layer.errors_1e5.is_null()) row.set("errors_1e5", layer.errors_1e5);
+    if (!layer.reference.is_null()) row.set("reference", layer.reference);
     if (!layer.isa.empty()) row.set("isa", layer.isa);
     rows.push(std::move(row));
   }

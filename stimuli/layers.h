@@ -18,6 +18,7 @@ struct LayerRecord {
   std::int64_t vpl_count = 0;  ///< true number of VPLs; 0 where there are none
   Json vpls = {};              ///< with VPLs: method, its rule, cut sizes, rays, measured error; else null
   Json errors_1e5 = {};        ///< of a lightcut: the absolute errors measured, sorted; else null
+  Json reference = {};         ///< of a reference's indirect light: method, its numbers, its check; else null
   std::string isa = {};        ///< instruction set of the kernels that made it; empty if an older program did
 };
 

@@ -38,9 +38,16 @@ Manifest load_manifest(const std::filesystem::path& path) {
   const auto& pictures = json.at("pictures").as_array();
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const Json& picture = pictures[i];
-    const Json *error = picture.find("standard_error"), *vpls = picture.find("vpls");
-    PictureRecord record{picture.at("file").as_string(), picture.at("digest").as_string(),
-                         picture.at("made_from").as_string(), error ? *error : Json(), vpls ? *vpls : Json()};
+    const auto find = [&](const char* member) {
+      const Json* found = picture.find(member);
+      return found ? *found : Json();
+    };
+    PictureRecord record{picture.at("file").as_string(),
+                         picture.at("digest").as_string(),
+                         picture.at("made_from").as_string(),
+                         find("standard_error"),
+                         find("reference"),
+                         find("vpls")};
     if (!manifest.pictures.emplace(picture.at("key").as_string(), std::move(record)).second) {
       throw InputError(path.string(), fmt::format("/pictures/{}/key", i), "each picture once",
                        picture.at("key").as_string() + " again");
@@ -75,6 +82,7 @@ void save_manifest(const Manifest& manifest, const std::filesystem::path& path) 
         .set("digest", picture.digest)
         .set("made_from", picture.made_from);
     if (!picture.standard_error.is_null()) row.set("standard_error", picture.standard_error);
+    if (!picture.reference.is_null()) row.set("reference", picture.reference);
     if (!picture.vpls.is_null()) row.set("vpls", picture.vpls);
     pictures.push(std::move(row));
   }

@@ -19,6 +19,7 @@ struct PictureRecord {
   std::string digest;     ///< of the PNG file
   std::string made_from;  ///< digest of its layers and tone curve
   Json standard_error;    ///< references: object_mean, object_p99, outside_mean in display steps; else null
+  Json reference = {};    ///< references: how their indirect light was made, and its check; else null
   Json vpls = {};  ///< VPL pictures: count, method, its rule, cut sizes, rays, measured error; else null
 };
 

@@ -226,6 +226,25 @@ TEST(Report, says_whether_the_references_met_their_noise_target) {
   EXPECT_TRUE(has(page, "<span class=\"met\">MET</span></td><td class=\"number\">2.50"));
 }
 
+// z of 3 and -4: root mean square 3.54.
+TEST(Report, says_how_references_by_vpl_sets_agree_with_path_tracing) {
+  Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  report.manifest = Manifest{};
+  Json error, reference, check{Json::Array{}}, row;
+  error.set("object_mean", 0.5).set("object_p99", 1.25).set("outside_mean", 1.0);
+  report.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/x.png", "", "", error};
+  EXPECT_FALSE(has(format_page(report), "independent VPL sets"));
+  check.push(row.set("region", "r1c2").set("z", 3.0));
+  check.push(row.set("region", "silhouettes").set("z", -4.0));
+  reference.set("method", "compensated").set("check", std::move(check));
+  report.manifest->pictures["G0-MS-ind-ref-v0"].reference = std::move(reference);
+  const std::string page = format_page(report);
+  EXPECT_TRUE(
+      has(page, "In 1 of them the object&rsquo;s indirect light is the mean of independent VPL sets"));
+  EXPECT_TRUE(has(page, "over 2 regions the differences are 3.54 standard errors"));
+  EXPECT_TRUE(has(page, "at most 4.0 (G0-MS-ind-ref-v0, silhouettes)"));
+}
+
 TEST(Report, lists_columns_whose_flags_go_back_and_forth) {
   PlantedStudy planted = make_planted_study("pocket", 12, 14, 3, 0.0);
   EXPECT_FALSE(has(format_page(make_planted_report(planted)), "so that the rule decides"));

@@ -54,6 +54,18 @@ TEST_F(StudyFile, IsReadInFull) {
   EXPECT_EQ(study.digest, digest_json(pocket_));
 }
 
+TEST_F(StudyFile, TakesCompensatedReferencesWhereANoiseTargetRules) {
+  EXPECT_EQ(load(pocket_).reference, ReferenceMethod::kCompensated);
+  EXPECT_EQ(load(with(pocket_, "/reference", "path")).reference, ReferenceMethod::kPath);
+  EXPECT_EQ(load(with(pocket_, "/reference", "compensated")).reference, ReferenceMethod::kCompensated);
+  Json paths;
+  paths.set("object_indirect", 16).set("object_direct", 16).set("background", 16);
+  const Json fixed = with(pocket_, "/paths", paths);
+  EXPECT_EQ(load(fixed).reference, ReferenceMethod::kPath);
+  EXPECT_EQ(refusal_of(with(fixed, "/reference", "compensated")),
+            "/reference: expected path, since /paths fixes their number, got compensated");
+}
+
 TEST_F(StudyFile, WithoutAnyOneOfItsMembersNamesTheMember) {
   const Json blank = without(without(pocket_, "/description"), "/normalise");
   ASSERT_NO_THROW(load(blank)) << "these two may be left out";
@@ -91,6 +103,7 @@ TEST_F(StudyFile, WithAWrongValueSaysWhereAndWhatIsExpected) {
       {"/subpixel_positions", 0, "integer"},
       {"/paths", parse_json(R"({"object_indirect": 1, "object_direct": 1})", ""), "a member \"background\""},
       {"/paths", 5, "object"},
+      {"/reference", "photons", "one of path, compensated"},
       {"/emission", "half", "one of lambertian, full"},
       {"/noise_target/object_mean", 0, "number over 0"},
       {"/exposure", "middle", "one of background, whole"},

@@ -153,16 +153,10 @@ TEST(LightReach, OfTheCafeHoldsInEveryCell) {
   EXPECT_GT(lit, 1000u);
 }
 
-VplList take_all(VplSet set) {
-  VplList list = std::move(set.shared);
-  list.append(set.own);
-  return list;
-}
-
 // A lobe that is there and 0 everywhere takes the glossy way through every kernel.
 TEST(Omission, OfALambertianObjectsLobeKeepsEveryBit) {
   const Stage stage(load_cafe(), "G2", "LG", Illumination::kIndirect);
-  const VplList list = take_all(trace_vpls(stage.world, stage.materials, 2000, 1, "plan-test"));
+  const VplList list = join_vpls(trace_vpls(stage.world, stage.materials, 2000, 1, "plan-test"));
   Material forced = stage.materials[0];
   ASSERT_EQ(forced.glossy_share, 0);
   forced.glossy_share = 1e-30f;
@@ -183,7 +177,7 @@ TEST(Omission, OfALambertianObjectsLobeKeepsEveryBit) {
 // Gloss that no VPL of the list has takes the way of full emission.
 TEST(Omission, OfEmissionDirectionsKeepsEveryBit) {
   const Stage stage(load_cafe(), "G2", "MS", Illumination::kIndirect);
-  const VplList list = take_all(trace_vpls(stage.world, stage.materials, 2000, 1, "plan-test"));
+  const VplList list = join_vpls(trace_vpls(stage.world, stage.materials, 2000, 1, "plan-test"));
   ASSERT_TRUE(list.gloss.empty());
   VplList forced(list);
   forced.gloss.push_back({{0, 0, 1}, {0, 0, 1}, {}, 0.1f, GlossModel::kWardDuer});
@@ -202,7 +196,7 @@ TEST(Omission, OfEmissionDirectionsKeepsEveryBit) {
 // The cuts of the tree err within their rule; the sum does not.
 TEST(Omission, OfTheTreeIsTheSumThatCutsAreHeldTo) {
   const Stage stage(load_cafe(), "G2", "GS", Illumination::kIndirect);
-  const VplList list = take_all(trace_vpls(stage.world, stage.materials, 300, 1, "plan-test"));
+  const VplList list = join_vpls(trace_vpls(stage.world, stage.materials, 300, 1, "plan-test"));
   ASSERT_TRUE(is_summed_plainly(static_cast<std::int64_t>(list.size())));
   const auto points = find_shading_points(stage.primary);
   const std::vector<double> clamps{clamp_per_m2(0)};

@@ -149,6 +149,26 @@ TEST(VplSets, KnowTheirError) {
   EXPECT_NEAR(squares / errors, 1, 0.2);
 }
 
+// Means over regions are those of the layer, and with totals from elsewhere no pilot is traced.
+TEST(VplSets, TellWhatRegionsGetByTotalsFromElsewhere) {
+  const Stage stage("G2", "MR", 32, 24);
+  VplSetsParams params = stage.params(10, 1);
+  HdrImage totals(32, 24);
+  std::fill(totals.values.begin(), totals.values.end(), 0.02f);
+  params.totals = {totals};
+  params.regions = find_parts(stage);
+  int done = 0;
+  const VplSets sets = trace_vpl_sets(stage.family(), params, [&] { ++done; });
+  EXPECT_EQ(done, 4);
+  const auto sums = sum_parts(sets.layers[0].mean, params.regions);
+  ASSERT_EQ(sets.regions.size(), std::size_t{kParts});
+  for (std::size_t part = 0; part < kParts; ++part) {
+    EXPECT_NEAR(sets.regions[part].mean * static_cast<double>(sets.regions[part].pixels), sums[part],
+                1e-5 * sums[part]);
+    EXPECT_GT(sets.regions[part].standard_error, 0);
+  }
+}
+
 TEST(VplSets, AreAMultipleOfThePositionsAndTwoOfEach) {
   EXPECT_EQ(count_vpl_sets(1, 4), 8);
   EXPECT_EQ(count_vpl_sets(8, 4), 8);

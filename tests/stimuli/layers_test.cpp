@@ -23,6 +23,9 @@ Layers make_layers() {
   for (const std::string name : {"G0-MS-ind-1k-C0-v0", "G0-MS-ind-ref-v0.background"})
     layers.by_name[name] = {"layers/" + name + ".exr", digest_text(name), digest_text("from"), 0};
   layers.by_name["G0-MS-ind-1k-C0-v0"].vpl_count = 1013;
+  Json reference;
+  reference.set("method", "path").set("paths", 2000);
+  layers.by_name["G0-MS-ind-ref-v0.background"].reference = std::move(reference);
   return layers;
 }
 
@@ -54,6 +57,7 @@ TEST_F(LayersFile, RoundTrips) {
     EXPECT_EQ(back.digest, layer.digest);
     EXPECT_EQ(back.made_from, layer.made_from);
     EXPECT_EQ(back.vpl_count, layer.vpl_count);
+    EXPECT_EQ(back.reference.is_null(), layer.reference.is_null());
   }
 }
 
@@ -71,6 +75,8 @@ TEST_F(LayersFile, IsRefusedForWhatItMayNotSay) {
   EXPECT_EQ(refusal_of(with(json_, "/schema_version", 2)), "/schema_version: expected 1, got 2");
   EXPECT_THAT(refusal_of(with(json_, "/layers/0/digest", "abc")), StartsWith("/layers/0/digest: "));
   EXPECT_THAT(refusal_of(with(json_, "/layers/0/vpl_count", 0)), StartsWith("/layers/0/vpl_count: "));
+  EXPECT_THAT(refusal_of(with(json_, "/layers/1/reference/method", "guess")),
+              StartsWith("/layers/1/reference/method: "));
   EXPECT_THAT(refusal_of(with(json_, "/layers/-", json_.at("layers").at(std::size_t{0}))),
               AllOf(StartsWith("/layers/2/name: "), HasSubstr("again")));
 }

@@ -1,0 +1,258 @@
+// Pilots, plan, sets, compensation, check.
+#include "renderer/compensated.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "renderer/set_plan.h"
+#include "renderer/vpl.h"
+
+namespace equilux {
+namespace {
+
+constexpr int kGrid = 3;
+constexpr int kSilhouettes = kGrid * kGrid, kRegions = kSilhouettes + 1;
+
+// Of each pixel of the object that the pilot saw: its cell of a grid over the object's box, or the
+// silhouettes.
+std::vector<int> find_regions(const HdrImage& coverage, const PathMap& seen) {
+  int left = coverage.width, right = -1, top = coverage.height, bottom = -1;
+  const auto at = [&](int x, int y) {
+    return coverage.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(coverage.width) +
+                           static_cast<std::size_t>(x)];
+  };
+  for (int y = 0; y < coverage.height; ++y) {
+    for (int x = 0; x < coverage.width; ++x) {
+      if (!(at(x, y) > 0)) continue;
+      left = std::min(left, x), right = std::max(right, x);
+      top = std::min(top, y), bottom = std::max(bottom, y);
+    }
+  }
+  std::vector<int> regions;
+  for (int y = 0; y < coverage.height; ++y) {
+    for (int x = 0; x < coverage.width; ++x) {
+      const float covered = seen[regions.size()] > 0 ? at(x, y) : 0;
+      const int column = kGrid * (x - left) / std::max(1, right - left + 1),
+                row = kGrid * (y - top) / std::max(1, bottom - top + 1);
+      regions.push_back(covered == 0 ? -1 : covered < 1 ? kSilhouettes : kGrid * row + column);
+    }
+  }
+  return regions;
+}
+
+std::string name_region(int region) {
+  if (region == kSilhouettes) return "silhouettes";
+  return fmt::format("r{}c{}", region / kGrid + 1, region % kGrid + 1);
+}
+
+// Of pixels that err independently, channels at worst alike.
+std::vector<RegionLight> sum_regions(const TracedLayer& layer, const std::vector<int>& regions) {
+  std::vector<RegionLight> sums(kRegions);
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (regions[i] < 0) continue;
+    RegionLight& sum = sums[static_cast<std::size_t>(regions[i])];
+    const auto luminance_of = [&](const HdrImage& image) {
+      const float* p = image.pixel(i);
+      return double{luminance({p[0], p[1], p[2]})};
+    };
+    ++sum.pixels;
+    sum.mean += luminance_of(layer.mean);
+    sum.standard_error += std::pow(luminance_of(layer.standard_error), 2);
+  }
+  for (RegionLight& sum : sums) {
+    const auto count = static_cast<double>(std::max<std::size_t>(1, sum.pixels));
+    sum.mean /= count;
+    sum.standard_error = std::sqrt(sum.standard_error) / count;
+  }
+  return sums;
+}
+
+std::vector<RegionCheck> check_regions(std::vector<RegionLight> sets, const TracedLayer& compensation,
+                                       const TracedLayer& traced, const std::vector<int>& regions) {
+  const auto returned = sum_regions(compensation, regions), paths = sum_regions(traced, regions);
+  sets.resize(kRegions);
+  std::vector<RegionCheck> checks;
+  for (std::size_t region = 0; region < kRegions; ++region) {
+    if (paths[region].pixels == 0) continue;
+    RegionLight light = sets[region];
+    light.mean += returned[region].mean;
+    light.standard_error = std::hypot(light.standard_error, returned[region].standard_error);
+    checks.push_back({name_region(static_cast<int>(region)), light, paths[region]});
+  }
+  return checks;
+}
+
+PathMap make_even_map(const PathMap& like, std::uint32_t paths) { return PathMap(like.size(), paths); }
+
+TracedLayer add_independent(TracedLayer sum, const TracedLayer& more) {
+  for (std::size_t i = 0; i < sum.mean.values.size(); ++i) {
+    sum.mean.values[i] += more.mean.values[i];
+    sum.standard_error.values[i] = std::hypot(sum.standard_error.values[i], more.standard_error.values[i]);
+  }
+  return sum;
+}
+
+double count_object_paths(const Primary& primary, const PathMap& map) {
+  const PathMap none = make_even_map(map, 0);
+  return count_paths(primary, {none, none, map});
+}
+
+// Paths from gloss to gloss are rare and bright, and a pilot may see few of them. Where what VPLs lack is
+// a thousandth of the light or more, no pixel takes fewer paths than this; where it is less, fewer in
+// proportion.
+constexpr int kFewestPaths = 256;
+constexpr double kLackingLight = 0.001;
+
+double sum_light(const HdrImage& layer, const PathMap& seen) {
+  double sum = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const float* p = layer.pixel(i);
+    if (seen[i] > 0) sum += luminance({p[0], p[1], p[2]});
+  }
+  return sum;
+}
+
+// `lacking`: what compensation brings where hardly anything is clamped.
+std::uint32_t find_least_paths(const HdrImage& lacking, const HdrImage& light, const PathMap& seen,
+                               int positions) {
+  const double whole = sum_light(light, seen);
+  const double share = whole > 0 ? std::clamp(sum_light(lacking, seen) / whole / kLackingLight, 0.0, 1.0) : 0;
+  const int paths = std::max(1, static_cast<int>(std::lround(kFewestPaths * share)));
+  return static_cast<std::uint32_t>(round_paths(paths, positions) / (kBatches * positions));
+}
+
+// One object's way from its pilot to its layers.
+class CompensatedTracer {
+ public:
+  CompensatedTracer(const FamilyScene& scene, const ObjectPilot& pilot, const ReferenceParams& params,
+                    const FamilyProgress& progress)
+      : scene_(scene),
+        pilot_(pilot),
+        params_(params),
+        progress_(progress),
+        coverage_(make_coverage(scene.primary)),
+        view_({&pilot.layers.background.mean, &pilot.layers.direct.mean, &pilot.layers.indirect.mean},
+              coverage_, params.exposure, params.tone_key),
+        background_errors_(view_.find_errors(pilot.layers.background, pilot.maps.background)),
+        direct_errors_(view_.find_errors(pilot.layers.direct, pilot.maps.direct)) {}
+
+  std::optional<CompensatedObject> trace() const {
+    const SetPilot pilot = trace_set_pilot();
+    const double cost_of_paths = foresee_cost_of_paths(pilot);
+    const std::optional<SetPlan> plan =
+        plan_vpl_sets(scene_, pilot, params_.target, cost_of_paths, params_.seed, params_.stream_name);
+    if (!plan) return {};
+    return render(*plan, pilot.least_paths);
+  }
+
+ private:
+  // To the same target by path tracing.
+  double foresee_cost_of_paths(const SetPilot& pilot) const {
+    const std::vector<double> errors = view_.find_errors(pilot.indirect, pilot.map);
+    std::vector<PixelError> of_object;
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      if (coverage_.values[i] > 0) of_object.push_back({errors[i] + pilot.other_errors[i]});
+    }
+    double paths = 0;
+    for (const double of_pixel : foresee_paths(of_object, scene_.primary.positions, params_.target))
+      paths += of_pixel * kBatches * scene_.primary.positions;
+    return paths;
+  }
+
+  std::vector<TracedLayer> compensate(const PathMap& map, std::vector<double> clamps,
+                                      const std::string& name) const {
+    const CompensationParams compensation{std::move(clamps), Emission::kLambertian, params_.seed,
+                                          params_.stream_name + name, params_.measures};
+    return trace_compensation(scene_, map, compensation, progress_.advance);
+  }
+
+  SetPilot trace_set_pilot() const {
+    progress_.expect_more(count_object_paths(scene_.primary, pilot_.seen));
+    auto layers = std::make_shared<const std::vector<TracedLayer>>(
+        compensate(pilot_.seen, list_finite_clamps(), ".pilot"));
+    const auto fill = [this, layers](std::size_t level) {
+      TracedLayer layer = (*layers)[level];
+      fill_between(layer, pilot_.seen, coverage_, pilot_.reach);
+      return layer;
+    };
+    SetPilot pilot{view_,
+                   background_errors_,
+                   pilot_.layers.indirect,
+                   fill,
+                   pilot_.maps.indirect,
+                   find_least_paths(layers->front().mean, pilot_.layers.indirect.mean, pilot_.seen,
+                                    scene_.primary.positions)};
+    for (std::size_t i = 0; i < direct_errors_.size(); ++i) pilot.other_errors[i] += direct_errors_[i];
+    return pilot;
+  }
+
+  VplSets trace_sets(const SetPlan& plan, std::vector<int> regions) const {
+    VplSetsParams sets;
+    sets.sets = plan.sets;
+    sets.paths = find_path_count(scene_.world, plan.vpls, params_.seed);
+    sets.clamps_per_m2 = {clamp_per_m2(plan.clamp_level)};
+    sets.error_ratio = plan.error_ratio;
+    sets.floor = find_radiance_of_step(view_.tone(), 0.25);
+    sets.seed = params_.seed;
+    sets.stream_name = params_.stream_name;
+    sets.totals.push_back(plan.light);
+    sets.regions = std::move(regions);
+    VplSets traced;
+    const double share = plan.sets_cost / plan.sets;
+    with_vpl_memory(plan.vpls,
+                    [&] { traced = trace_vpl_sets(scene_, sets, [&] { progress_.advance(share); }); });
+    return traced;
+  }
+
+  CompensatedObject render(const SetPlan& plan, std::uint32_t least_paths) const {
+    PathMaps maps =
+        allot_paths({background_errors_, direct_errors_, plan.compensation_errors, plan.set_errors},
+                    coverage_, scene_.primary.positions, params_.target);
+    const PathMap none = make_even_map(maps.direct, 0);
+    maps.background = none;
+    for (std::uint32_t& of_pixel : maps.indirect) of_pixel = std::max(of_pixel, least_paths);
+    const double paths = count_paths(scene_.primary, maps);
+    progress_.expect_more(plan.sets_cost + paths);
+    TracedLayers direct = trace_layers(scene_, {none, maps.direct, none}, params_.seed, params_.stream_name,
+                                       params_.measures, progress_.advance);
+    TracedLayer returned = std::move(compensate(maps.indirect, {clamp_per_m2(plan.clamp_level)}, "")[0]);
+    const std::vector<int> regions = find_regions(coverage_, pilot_.seen);
+    VplSets sets = trace_sets(plan, regions);
+    CompensatedObject object;
+    object.measures = {plan.clamp_level,
+                       sets.sets,
+                       sets.mean_vpls,
+                       plan.error_ratio,
+                       sets.mean_clusters,
+                       count_object_paths(scene_.primary, maps.indirect),
+                       check_regions(std::move(sets.regions), returned, pilot_.layers.indirect, regions)};
+    object.direct = std::move(direct.direct);
+    object.indirect = add_independent(std::move(sets.layers[0]), returned);
+    object.paths = paths;
+    return object;
+  }
+
+  const FamilyScene& scene_;
+  const ObjectPilot& pilot_;
+  const ReferenceParams& params_;
+  const FamilyProgress& progress_;
+  HdrImage coverage_;
+  DisplayPilot view_;
+  std::vector<double> background_errors_, direct_errors_;
+};
+
+}  // namespace
+
+double RegionCheck::z() const {
+  const double error = std::hypot(light.standard_error, traced.standard_error);
+  return error > 0 ? (light.mean - traced.mean) / error : 0;
+}
+
+std::optional<CompensatedObject> trace_compensated(const FamilyScene& scene, const ObjectPilot& pilot,
+                                                   const ReferenceParams& params,
+                                                   const FamilyProgress& progress) {
+  return CompensatedTracer(scene, pilot, params, progress).trace();
+}
+
+}  // namespace equilux

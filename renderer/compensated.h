@@ -1,0 +1,54 @@
+// An object's light to a noise target by VPL sets and compensation, checked against its pilot's paths.
+#pragma once
+
+#include <optional>
+
+#include "renderer/allot.h"
+#include "renderer/reference_params.h"
+#include "renderer/vpl_sets.h"
+
+namespace equilux {
+
+/// Light of a part of the object, at the pixels that the pilot saw: of the reference and of the pilot's
+/// paths, which know nothing of VPLs.
+struct RegionCheck {
+  std::string name;  ///< r1c1 to r3c3 of the object's box in the picture, silhouettes
+  RegionLight light, traced;
+
+  /// Their difference over its standard error.
+  double z() const;
+};
+
+/// How indirect light was made of sets.
+struct SetMeasures {
+  int clamp_level = 0;
+  int sets = 0;
+  double mean_vpls = 0;  ///< of a set
+  double error_ratio = 0;
+  double mean_clusters = 0;       ///< of a point's cut
+  double compensation_paths = 0;  ///< of all pixels
+  std::vector<RegionCheck> regions;
+};
+
+/// Of a family, the object at some of its pixels.
+struct ObjectPilot {
+  TracedLayers layers;  ///< filled between those pixels, see fill_between
+  PathMaps maps;        ///< as if all had been seen
+  PathMap seen;         ///< of the object's light; 0 at the pixels between
+  int reach = 0;        ///< within which those between are filled. units: pixels
+};
+
+struct CompensatedObject {
+  TracedLayer direct, indirect;
+  double paths = 0;
+  SetMeasures measures;
+};
+
+/// Of a scene with one object. Empty where path tracing is foreseen to cost less. The layers are unbiased:
+/// what is chosen by pilots is independent of what is then rendered, and no cut depends on its own
+/// representatives. VPLs emit by the diffuse part. errors: as trace_layers and trace_vpl_sets
+std::optional<CompensatedObject> trace_compensated(const FamilyScene& scene, const ObjectPilot& pilot,
+                                                   const ReferenceParams& params,
+                                                   const FamilyProgress& progress);
+
+}  // namespace equilux

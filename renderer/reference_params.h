@@ -1,0 +1,30 @@
+// What a reference is asked for.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "renderer/family.h"
+
+namespace equilux {
+
+struct ReferenceParams {
+  ReferenceMethod method = ReferenceMethod::kPath;
+  std::optional<PathCounts> fixed;  ///< the same at every pixel; else by a pilot for the target
+  NoiseTarget target;
+  Exposure exposure = Exposure::kBackground;
+  double tone_key = 0.18;
+  std::uint64_t seed = 1;
+  std::string stream_name;             ///< the pilot's has another: it is thrown away
+  std::string background_stream_name;  ///< the same for every material of the object
+  PathMeasures measures;
+};
+
+/// Called from any thread: paths done, and a correction of the work foreseen.
+struct FamilyProgress {
+  std::function<void(double)> advance;
+  std::function<void(double)> expect_more;
+};
+
+}  // namespace equilux
