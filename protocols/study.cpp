@@ -63,11 +63,10 @@ void check_reference_materials(const Study& study, const std::string& source) {
   }
 }
 
-// Where the study does not say: sets where a noise target rules, which they need.
+// Sets need a noise target.
 ReferenceMethod parse_reference(const Study& study, const std::string& source) {
   const Json* reference = study.source.find("reference");
-  if (!reference) return study.paths ? ReferenceMethod::kPath : ReferenceMethod::kCompensated;
-  if (reference->as_string() == "path") return ReferenceMethod::kPath;
+  if (!reference || reference->as_string() == "path") return ReferenceMethod::kPath;
   if (study.paths)
     throw InputError(source, "/reference", "path, since /paths fixes their number", reference->as_string());
   return ReferenceMethod::kCompensated;

@@ -56,19 +56,20 @@ TEST_F(StudyFile, IsReadInFull) {
 
 TEST_F(StudyFile, TakesCompensatedReferencesWhereANoiseTargetRules) {
   EXPECT_EQ(load(pocket_).reference, ReferenceMethod::kCompensated);
+  EXPECT_EQ(load(without(pocket_, "/reference")).reference, ReferenceMethod::kPath);
   EXPECT_EQ(load(with(pocket_, "/reference", "path")).reference, ReferenceMethod::kPath);
   EXPECT_EQ(load(with(pocket_, "/reference", "compensated")).reference, ReferenceMethod::kCompensated);
   Json paths;
   paths.set("object_indirect", 16).set("object_direct", 16).set("background", 16);
-  const Json fixed = with(pocket_, "/paths", paths);
+  const Json fixed = with(without(pocket_, "/reference"), "/paths", paths);
   EXPECT_EQ(load(fixed).reference, ReferenceMethod::kPath);
   EXPECT_EQ(refusal_of(with(fixed, "/reference", "compensated")),
             "/reference: expected path, since /paths fixes their number, got compensated");
 }
 
 TEST_F(StudyFile, WithoutAnyOneOfItsMembersNamesTheMember) {
-  const Json blank = without(without(pocket_, "/description"), "/normalise");
-  ASSERT_NO_THROW(load(blank)) << "these two may be left out";
+  const Json blank = without(without(without(pocket_, "/description"), "/normalise"), "/reference");
+  ASSERT_NO_THROW(load(blank)) << "these three may be left out";
   for (const auto& [name, value] : blank.as_object())
     EXPECT_EQ(refusal_of(without(blank, "/" + name)), "/: expected a member \"" + name + "\", got none");
   std::map<std::string, Json> inner{{"/blocks/0", blank.at("blocks").at(std::size_t{0})}};

@@ -232,6 +232,28 @@ TEST(Set, OfManyVplsIsCutTheSameWhateverItIsMadeWith) {
 }
 
 // Every VPL picture's record says how it was made and what its error is; the summary pools what is measured.
+// Layers and manifest say of each reference by which method it was made; another method is another recipe.
+TEST(Set, TellsHowReferencesWereMadeAndHowTheyAgreeWithPaths) {
+  const test::TinyStudy sets("compensated"), paths;
+  const test::Folder folder, other;
+  EXPECT_EQ(make_set({sets.path(), folder.path(), "G0-GS-ind-ref-v0"}).pictures, 1u);
+  const Json made = load_manifest(folder / "manifest.json").pictures.at("G0-GS-ind-ref-v0").reference;
+  EXPECT_EQ(made, load_layers(folder / "layers.json").by_name.at("G0-GS-ind-ref-v0.indirect").reference);
+  EXPECT_EQ(made.at("method").as_string(), "compensated");
+  EXPECT_GE(made.at("sets").as_int(), 8);
+  EXPECT_GT(made.at("paths").as_double(), 0);
+  EXPECT_GE(made.at("check").as_array().size(), 6u);
+  for (const Json& region : made.at("check").as_array())
+    EXPECT_LT(std::abs(region.at("z").as_double()), 7) << region.at("region").as_string();
+  const SetSummary again = make_set({sets.path(), folder.path(), "G0-GS-ind-ref-v0"});
+  EXPECT_EQ(again.layers_rendered, 0u);
+  EXPECT_EQ(load_manifest(folder / "manifest.json").pictures.at("G0-GS-ind-ref-v0").reference, made);
+  make_set({paths.path(), other.path(), "G0-GS-ind-ref-v0"});
+  const Json traced = load_manifest(other / "manifest.json").pictures.at("G0-GS-ind-ref-v0").reference;
+  EXPECT_EQ(traced.at("method").as_string(), "path");
+  EXPECT_FALSE(traced.find("check"));
+}
+
 TEST(Set, TellsOfEveryVplPictureHowItWasMadeAndItsMeasuredError) {
   const test::TinyStudy many("many"), few;
   const test::Folder cuts, sums;

@@ -19,7 +19,8 @@ class TinyStudy {
 
  private:
   void write(const std::string& variant, std::uint64_t seed) {
-    const bool normalise = variant == "normalise", many = variant == "many", gallery = variant == "gallery";
+    const bool normalise = variant == "normalise", many = variant == "many",
+               one_light = normalise || variant == "compensated", gallery = variant == "gallery";
     const std::string count = many ? "30k" : "100";
     const std::string geometry = gallery ? "Knot" : "G0";
     const std::filesystem::path source = EQUILUX_SOURCE_DIR;
@@ -27,9 +28,15 @@ class TinyStudy {
     json.set("scene", (source / "stimuli/scenes" / (gallery ? "gallery.json" : "cafe.json")).string())
         .set("seed", seed);
     json.set("image", parse_json(R"({"width":24,"height":18})", "")).set("subpixel_positions", 2);
-    json.set("paths", parse_json(R"({"object_indirect":32,"object_direct":32,"background":32})", ""));
+    if (variant == "compensated") {
+      json.set("image", parse_json(R"({"width":64,"height":48})", ""));
+      json.set("noise_target", parse_json(R"({"object_mean":3,"object_p99":9,"outside_mean":60})", ""));
+    } else {
+      json.set("reference", "path");
+      json.set("paths", parse_json(R"({"object_indirect":32,"object_direct":32,"background":32})", ""));
+    }
     json.set("normalise", normalise).set("windows", "windows.json").set("truth", "truth.json");
-    const std::string illuminations = normalise ? R"(["ind"])" : R"(["ind","dir"])";
+    const std::string illuminations = one_light ? R"(["ind"])" : R"(["ind","dir"])";
     json.set("blocks",
              parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":["MS","GS"],"illuminations":)" +
                             illuminations + R"(,"vpl_counts":[")" + count + R"("]}])",
@@ -37,7 +44,7 @@ class TinyStudy {
     path_ = folder_ / ("study-" + variant + std::to_string(seed) + ".json");
     Json windows{Json::Array{}}, truth{Json::Array{}};
     for (const std::string illumination : {"ind", "dir"}) {
-      if (normalise && illumination == "dir") continue;
+      if (one_light && illumination == "dir") continue;
       for (const std::string material : {"MS", "GS"}) {
         const std::string column = geometry + "-" + material + "-" + illumination + "-" + count;
         windows.push(Json().set("column", column).set("first", "C2").set("origin", "placeholder"));
