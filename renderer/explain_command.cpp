@@ -54,6 +54,7 @@ PlanRequest make_request(const SceneOrStudy& input, const Condition& condition, 
   request.clamp_levels = std::vector{condition.cell.clamp_level};
   if (!input.is_study) return request;
   request.clamp_levels = input.study.clamp_levels;
+  request.reference = input.study.paths ? ReferenceMethod::kPath : input.study.reference;
   request.materials = list_materials(input.study, condition.cell.column.object);
   if (!folder.empty()) request.layers_on_disk = count_layers(input, condition, folder);
   return request;

@@ -155,6 +155,18 @@ Omission plan_ray_length(const Probe& probe) {
           left_out ? "what lies beyond, if compensation is asked for" : ""};
 }
 
+Omission plan_reference(const Probe& probe) {
+  const auto& method = probe.request.reference;
+  const bool left_out = method == ReferenceMethod::kCompensated;
+  return {"path tracing of the reference's indirect light", left_out,
+          !method ? "a scene says nothing of references"
+          : left_out
+              ? "VPL sets and compensation have the same mean; where the pilots foresee that paths are "
+                "cheaper, it is path traced all the same"
+              : "the study does not ask for compensated references",
+          left_out ? "what the reference's record tells against its path-traced check, for each object" : ""};
+}
+
 Omission plan_parts(const Probe& probe) {
   const Scene& scene = probe.scene;
   std::set<std::string> meshes = list_used_meshes(scene, scene.geometries.at(probe.object.geometry)),
@@ -200,9 +212,9 @@ Omission plan_disk(const Probe& probe) {
 Plan make_plan(const Scene& scene, const PlanRequest& request) {
   const Probe probe(scene, request);
   Plan plan{request.source, format_key(request.condition), {}};
-  for (const auto& omission :
-       {plan_gloss, plan_emission, plan_direct, plan_direct_sampling, plan_spots, plan_tree, plan_levels,
-        plan_shared_paths, plan_backgrounds, plan_views, plan_ray_length, plan_parts, plan_disk})
+  for (const auto& omission : {plan_gloss, plan_emission, plan_direct, plan_direct_sampling, plan_spots,
+                               plan_tree, plan_levels, plan_shared_paths, plan_backgrounds, plan_views,
+                               plan_ray_length, plan_reference, plan_parts, plan_disk})
     plan.omissions.push_back(omission(probe));
   return plan;
 }

@@ -32,7 +32,9 @@ struct PlanRequest {
   Condition condition;
   int width = 0, height = 0, positions = 1;
   Emission emission = Emission::kLambertian;
-  std::vector<int> clamp_levels;       ///< of one traversal
+  std::vector<int> clamp_levels;  ///< of one traversal
+  /// How the object's reference is made; empty without a study.
+  std::optional<ReferenceMethod> reference;
   std::vector<std::string> materials;  ///< of the object's geometry and illumination in the study
   /// Layers of the study that are on disk as they would be made again, and all; empty without a folder.
   std::optional<std::pair<std::size_t, std::size_t>> layers_on_disk;

@@ -1,5 +1,6 @@
 // Independent VPL sets and compensation against path tracing, for every geometry and material of the café;
 // prints a Markdown table of differences by part of the object. Not timed.
+#include <CLI/CLI.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <fmt/format.h>
@@ -79,7 +80,7 @@ struct Difference {
 };
 
 std::array<Difference, kParts> compare(const Scene& scene, const std::string& geometry,
-                                       const std::string& material) {
+                                       const std::string& material, std::uint64_t seed) {
   const World world = make_world(scene, geometry, Illumination::kIndirect);
   const Materials materials = make_materials(world, find_material(scene, material));
   const Primary primary = trace_primary(world, make_view_camera(scene, 0), kWidth, kHeight, kPositions);
@@ -88,12 +89,13 @@ std::array<Difference, kParts> compare(const Scene& scene, const std::string& ge
   const auto map = [&](int paths) { return make_fixed_maps(primary, {paths, paths, paths}).indirect; };
   const PathMap none(parts.size(), 0);
   const auto trace = [&](int paths, const char* stream) {
-    return trace_layers(family, {none, none, map(paths)}, 1, stream, {}, [](double) {}).indirect;
+    return trace_layers(family, {none, none, map(paths)}, seed, stream, {}, [](double) {}).indirect;
   };
   const double clamp = clamp_per_m2(kLevel);
   VplSetsParams params;
   params.sets = kSets;
-  params.paths = find_path_count(world, kVpls, 1);
+  params.paths = find_path_count(world, kVpls, seed);
+  params.seed = seed;
   params.clamps_per_m2 = {clamp};
   params.error_ratio = 0.02;
   params.floor = 1e-4;
@@ -103,7 +105,7 @@ std::array<Difference, kParts> compare(const Scene& scene, const std::string& ge
   const VplSets sets = trace_vpl_sets(family, params, [] {});
   const TracedLayer returned =
       std::move(trace_compensation(family, map(kCompensationPaths),
-                                   {{clamp}, Emission::kLambertian, 1, "unbiased", {}}, [](double) {})[0]);
+                                   {{clamp}, Emission::kLambertian, seed, "unbiased", {}}, [](double) {})[0]);
   const auto more = sum_parts(returned, parts), traced = sum_parts(trace(kPaths, "unbiased.paths"), parts);
   std::array<Difference, kParts> differences;
   for (std::size_t part = 0; part < kParts; ++part) {
@@ -125,8 +127,8 @@ struct Summary {
 };
 
 void print_row(const Scene& scene, const std::string& geometry, const std::string& material,
-               Summary& summary) {
-  const auto differences = compare(scene, geometry, material);
+               std::uint64_t seed, Summary& summary) {
+  const auto differences = compare(scene, geometry, material, seed);
   double most = 0;
   for (const Difference& difference : differences) {
     if (std::abs(difference.t) > std::abs(most)) most = difference.t;
@@ -142,15 +144,22 @@ void print_row(const Scene& scene, const std::string& geometry, const std::strin
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  std::vector<std::string> geometries{"G0", "G1", "G2", "G3", "Bunny", "Dragon"};
+  std::vector<std::string> materials{"MS", "MR", "BS", "BR", "GS", "LG"};
+  std::uint64_t seed = 1;
+  CLI::App app("Differences of VPL sets with compensation from path tracing, in standard errors");
+  app.add_option("--geometries", geometries, "Of the café (all)")->delimiter(',');
+  app.add_option("--materials", materials, "Of the café (all)")->delimiter(',');
+  app.add_option("--seed", seed, "Seed (1)");
+  CLI11_PARSE(app, argc, argv);
   const Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
   fmt::print("| object | middle, % | silhouettes, % | contact, % | largest t |\n|---|---:|---:|---:|---:|\n");
   Summary summary;
   std::string left_out;
-  for (const char* geometry : {"G0", "G1", "G2", "G3", "Bunny", "Dragon"}) {
+  for (const std::string& geometry : geometries) {
     try {
-      for (const char* material : {"MS", "MR", "BS", "BR", "GS", "LG"})
-        print_row(scene, geometry, material, summary);
+      for (const std::string& material : materials) print_row(scene, geometry, material, seed, summary);
     } catch (const InputError& error) {  // its mesh was not fetched
       left_out += std::string("\nLeft out: ") + error.what() + "\n";
     }

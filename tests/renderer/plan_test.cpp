@@ -278,12 +278,17 @@ TEST(Plan, FollowsTheCondition) {
   study.clamp_levels = {0, 4};
   study.materials = {"MS", "GS"};
   study.layers_on_disk = {3, 6};
+  study.reference = ReferenceMethod::kCompensated;
   EXPECT_EQ(list_left_out(make_plan(scene, study)),
             (std::vector<std::string>{
                 "spots out of reach", "a traversal for each clamp level", "particles again for each material",
                 "the background's paths again for each material", "VPLs and trees again for each view",
-                "long rays of compensation", "meshes, materials and lights of other conditions",
-                "layers that are on disk"}));
+                "long rays of compensation", "path tracing of the reference's indirect light",
+                "meshes, materials and lights of other conditions", "layers that are on disk"}));
+  study.reference = ReferenceMethod::kPath;
+  const auto by_paths = list_left_out(make_plan(scene, study));
+  EXPECT_EQ(std::count(by_paths.begin(), by_paths.end(), "path tracing of the reference's indirect light"),
+            0);
 }
 
 TEST(Plan, IsToldInWords) {
