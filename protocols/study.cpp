@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/files.h"
 
 namespace equilux {
 
@@ -90,12 +91,61 @@ std::vector<Family> in_both_views(const std::vector<Object>& objects) {
   return families;
 }
 
+constexpr int kMostExtensions = 8;
+
+// Names of files that stand beside the study that names them.
+constexpr const char* kFileMembers[] = {"scene", "windows", "truth"};
+
+// The base's member, as it is found from the folder of the study that extends it.
+Json take_over(const std::string& member, const Json& value, const fs::path& from, const fs::path& to) {
+  const bool is_file =
+      std::find(std::begin(kFileMembers), std::end(kFileMembers), member) != std::end(kFileMembers);
+  if (!is_file || !value.is_string() || from == to) return value;
+  return (fs::absolute(from) / value.as_string())
+      .lexically_normal()
+      .lexically_relative(fs::absolute(to).lexically_normal())
+      .generic_string();
+}
+
+// A study file without what it extends: members that it has replace those of the base, and more_blocks are
+// added to the blocks.
+Json load_extended(const fs::path& path, int depth) {
+  Json own = parse_json(load_text(path), path.string());
+  const Json* base_name = own.find("extends");
+  if (!base_name) return own;
+  const auto refuse = [&](const char* member, std::string expected, std::string got) {
+    throw InputError(path.string(), std::string("/") + member, std::move(expected), std::move(got));
+  };
+  if (!base_name->is_string()) refuse("extends", "the name of a study file", describe_json(*base_name));
+  if (depth == kMostExtensions)
+    refuse("extends", fmt::format("a chain of at most {} studies", kMostExtensions), "a longer one");
+  const fs::path base_path = path.parent_path() / base_name->as_string();
+  const Json base = load_extended(base_path, depth + 1);
+  if (!base.is_object()) refuse("extends", "a study file", describe_json(base));
+  Json merged;
+  for (const auto& [member, value] : base.as_object())
+    merged.set(member, take_over(member, value, base_path.parent_path(), path.parent_path()));
+  for (const auto& [member, value] : own.as_object()) {
+    if (member != "extends" && member != "more_blocks") merged.set(member, value);
+  }
+  if (const Json* more = own.find("more_blocks")) {
+    const Json* blocks = merged.find("blocks");
+    if (!more->is_array() || !blocks || !blocks->is_array())
+      refuse("more_blocks", "an array, and one in the base", describe_json(*more));
+    Json all = *blocks;
+    for (const Json& block : more->as_array()) all.push(block);
+    merged.set("blocks", std::move(all));
+  }
+  return merged;
+}
+
 }  // namespace
 
 Study load_study(const fs::path& path) {
   const std::string source = path.string();
   Study study;
-  study.source = load_json(path, kStudySchema);
+  study.source = load_extended(path, 1);
+  validate_json(study.source, kStudySchema, source);
   study.digest = digest_json(study.source);
   const Json& json = study.source;
   const auto beside = [&](const char* member) {

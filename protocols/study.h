@@ -84,11 +84,13 @@ struct Study {
   double viewing_distance_m = 0.4572;   ///< 18 inches
   std::map<std::string, int> subjects;  ///< default number for "artifact" and "material"
   std::vector<Block> blocks;
-  Json source;         ///< the file as read
+  Json source;         ///< the file as read, with what it extends
   std::string digest;  ///< of the source
 };
 
-/// errors: InputError with file and JSON pointer.
+/// A study may say `"extends": "OTHER.json"`: then members that it has replace those of the other, and
+/// `more_blocks` are added to its blocks. errors: InputError with file and JSON pointer, of blocks as counted
+/// together.
 Study load_study(const std::filesystem::path& path);
 
 std::vector<Object> enumerate_objects(const Study& study);

@@ -22,6 +22,9 @@ void add_describe(CLI::App& app, CommandLine& line);
 void add_export(CLI::App& app, CommandLine& line);
 void add_sheet(CLI::App& app, CommandLine& line);
 void add_converge(CLI::App& app, CommandLine& line);
+void add_plan(CLI::App& app, CommandLine& line);
+void add_gather(CLI::App& app, CommandLine& line);
+void add_submit(CLI::App& app, CommandLine& line);
 void add_explain(CLI::App& app, CommandLine& line);
 
 /// The options --threads and --isa of a subcommand.

@@ -10,6 +10,25 @@
 namespace equilux {
 namespace fs = std::filesystem;
 
+namespace {
+
+std::string file_of(const std::string& layer) { return "layers/" + layer + ".exr"; }
+
+// As a hard link where that works.
+void copy_layer(const fs::path& source, const fs::path& target) {
+  save_atomically(target, [&](const fs::path& part) {
+    std::error_code error;
+    fs::create_hard_link(source, part, error);
+    if (!error) return;
+    fs::copy_file(source, part, fs::copy_options::overwrite_existing, error);
+    if (error)
+      throw StoreError(
+          fmt::format("{}: cannot copy to {}: {}", source.string(), target.string(), error.message()));
+  });
+}
+
+}  // namespace
+
 LayerStore::LayerStore(StudyFolder folder, const Study& study) : folder_(std::move(folder)) {
   if (path_exists(folder_.layers())) layers_ = load_layers(folder_.layers());
   layers_.study_name = study.name;
@@ -20,8 +39,11 @@ LayerStore::LayerStore(StudyFolder folder, const Study& study) : folder_(std::mo
 bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
   const auto found = layers_.by_name.find(name);
   if (found == layers_.by_name.end() || found->second.made_from != recipe) return false;
+  if (whole_.contains(name)) return true;
   const fs::path path = folder_.root / found->second.file;
-  return is_file(path) && digest_file(path) == found->second.digest;
+  if (!is_file(path) || digest_file(path) != found->second.digest) return false;
+  whole_.insert(name);
+  return true;
 }
 
 bool LayerStore::is_other(const std::string& name, const std::string& recipe) const {
@@ -31,7 +53,7 @@ bool LayerStore::is_other(const std::string& name, const std::string& recipe) co
 
 void LayerStore::save(const std::string& name, const std::string& recipe, const HdrImage& image,
                       ExrMetadata metadata, const VplRecord& vpls, Json reference) {
-  const std::string file = "layers/" + name + ".exr";
+  const std::string file = file_of(name);
   metadata["equilux_layer"] = name;
   metadata["equilux_study"] = layers_.study_name;
   metadata["equilux_seed"] = fmt::format("{}", layers_.seed);
@@ -46,6 +68,29 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
                            vpls.errors_1e5,
                            std::move(reference),
                            format_isa(current_isa())};
+  whole_.insert(name);
+}
+
+bool LayerStore::adopt(const std::string& name, const std::string& recipe, LayerStore& from) {
+  if (!from.is_whole(name, recipe)) return false;
+  LayerRecord record = from.record(name);
+  const fs::path source = from.folder_.root / record.file;
+  record.file = file_of(name);
+  std::error_code same;
+  if (!fs::equivalent(source, folder_.root / record.file, same))
+    copy_layer(source, folder_.root / record.file);
+  layers_.by_name[name] = std::move(record);
+  whole_.insert(name);
+  return true;
+}
+
+std::vector<std::string> LayerStore::list_lacking(const LayerStore& other) const {
+  std::vector<std::string> names;
+  for (const auto& [name, layer] : layers_.by_name) {
+    const auto found = other.layers_.by_name.find(name);
+    if (found == other.layers_.by_name.end() || found->second.digest != layer.digest) names.push_back(name);
+  }
+  return names;
 }
 
 HdrImage LayerStore::load(const std::string& name) const {

@@ -1,7 +1,9 @@
 // The layers of a study folder: which are whole, and writing the others.
 #pragma once
 
+#include <set>
 #include <string>
+#include <vector>
 
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
@@ -21,8 +23,8 @@ class LayerStore {
   /// Opens what an earlier run left. errors: InputError if layers.json is damaged.
   LayerStore(StudyFolder folder, const Study& study);
 
-  /// True if the layer is on disk as recorded and was made from this recipe. Reads the file once to check its
-  /// digest.
+  /// True if the layer is on disk as recorded and was made from this recipe. Its file is
+  /// read, the first time, to check its digest.
   bool is_whole(const std::string& name, const std::string& recipe);
 
   /// True if a layer of this name is recorded with another recipe.
@@ -30,6 +32,13 @@ class LayerStore {
 
   void save(const std::string& name, const std::string& recipe, const HdrImage& image, ExrMetadata metadata,
             const VplRecord& vpls = {}, Json reference = {});
+
+  /// Takes over a layer that is whole in another folder and was made from this recipe, as a hard link where
+  /// the file system has them. False where there is none. errors: StoreError
+  bool adopt(const std::string& name, const std::string& recipe, LayerStore& from);
+
+  /// Every layer recorded here that `other` does not have with the same bytes.
+  std::vector<std::string> list_lacking(const LayerStore& other) const;
 
   /// Writes layers.json. Called after each group of layers and at the end.
   void save_record() const { save_layers(layers_, folder_.layers()); }
@@ -41,6 +50,7 @@ class LayerStore {
  private:
   StudyFolder folder_;
   Layers layers_;
+  std::set<std::string> whole_;  // whose files were read
 };
 
 }  // namespace equilux

@@ -14,6 +14,9 @@ int main(int argc, char** argv) {
   app.footer("Example: equilux-render set protocols/pocket.json --out studies/pocket");
   CommandLine line;
   add_set(app, line);
+  add_plan(app, line);
+  add_gather(app, line);
+  add_submit(app, line);
   add_image(app, line);
   add_tonemap(app, line);
   add_prove(app, line);

@@ -9,10 +9,11 @@ namespace {
 
 // Rough numbers of paths for an error of one displayed step. They only foresee progress.
 constexpr double kPathsForOneStepOnObject = 6000;
-constexpr double kPathsForOneStepOutside = 2000;
+constexpr double kPathsForOneStepOutside = 3200;
 
-// Work of compensated VPL sets over that of path tracing, roughly.
-constexpr double kCompensatedShare = 0.2;
+// Work of compensated VPL sets over that of path tracing, and of their pilots whatever the object's size.
+// Measured in the café.
+constexpr double kCompensatedShare = 0.11, kSetPilots = 4e6;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;
@@ -88,11 +89,11 @@ double estimate_background_paths(const ReferenceParams& params, const Primary& p
   return params.fixed ? traced : traced + count_paths(primary, make_pilot_maps(primary));
 }
 
-double estimate_object_paths(const ReferenceParams& params, const Primary& primary) {
-  const double traced = count_object(primary, guess_maps(params, primary));
+double estimate_object_paths(const ReferenceParams& params, const Primary& primary, double pixels) {
+  const double traced = pixels * count_object(primary, guess_maps(params, primary));
   if (params.fixed) return traced;
-  if (params.method == ReferenceMethod::kCompensated) return kCompensatedShare * traced;
-  return traced + count_object(primary, make_pilot_maps(primary));
+  if (params.method == ReferenceMethod::kCompensated) return kCompensatedShare * traced + kSetPilots;
+  return traced + pixels * count_object(primary, make_pilot_maps(primary));
 }
 
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,

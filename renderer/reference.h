@@ -22,9 +22,9 @@ std::string name_background_stream(const Family& family);
 ReferenceParams make_reference_params(const Study& study, const Family& family);
 
 /// Work that the room and an object of one material are likely to report; exact where the counts are fixed.
-/// units: paths
+/// `pixels`: for which each of the primary's stands. units: paths
 double estimate_background_paths(const ReferenceParams& params, const Primary& primary);
-double estimate_object_paths(const ReferenceParams& params, const Primary& primary);
+double estimate_object_paths(const ReferenceParams& params, const Primary& primary, double pixels = 1);
 
 /// The room of one geometry, illumination and view. Its paths are the same whatever the object is made of:
 /// its pilot sees a grey one.

@@ -7,57 +7,17 @@
 #include "renderer/reference.h"
 #include "renderer/shade.h"
 #include "renderer/stopwatch.h"
+#include "renderer/work.h"
 
 namespace equilux {
 namespace {
 
-// Cost of a point-VPL pair in units of a path, for the estimate of what is left; measured on the café.
-constexpr double kPairCost = 0.05;
-// Cost of a point's cut at all levels, in the same unit.
-constexpr double kCutCost = 1000;
-
-struct GroupKey {
-  std::string geometry;
-  Illumination illumination;
-  auto operator<=>(const GroupKey&) const = default;
-};
-
-GroupKey group_of(const Object& object) { return {object.geometry, object.illumination}; }
-
-std::map<GroupKey, MissingLayers> group_layers(const MissingLayers& missing) {
-  std::map<GroupKey, MissingLayers> groups;
-  for (const Family& family : missing.families) groups[group_of(family.object)].families.push_back(family);
-  for (const Condition& condition : missing.conditions) {
-    groups[group_of(condition.cell.column.object)].conditions.push_back(condition);
-  }
+std::map<WorldKey, Wanted> group_layers(const Wanted& missing) {
+  std::map<WorldKey, Wanted> groups;
+  for (const Family& family : missing.families) groups[world_of(family.object)].families.push_back(family);
+  for (const Condition& condition : missing.conditions)
+    groups[world_of(condition.cell.column.object)].conditions.push_back(condition);
   return groups;
-}
-
-// Work of a group, from a small picture of what the camera sees. units: paths
-double estimate_work(const Study& study, const Scene& scene, const World& world,
-                     const MissingLayers& missing) {
-  const Primary small = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
-  double object = 0;
-  for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
-  const double pixels =
-      static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
-  const ReferenceParams params = make_reference_params(study, {});
-  const double family = pixels * estimate_object_paths(params, small),
-               room = pixels * estimate_background_paths(params, small);
-  const double points = pixels * object * study.subpixel_positions;
-  double shading = 0;
-  std::set<std::tuple<std::int64_t, int, std::string>> seen;  // levels share cuts, materials too share sums
-  for (const Condition& condition : missing.conditions) {
-    const std::int64_t count = condition.cell.column.vpl_count;
-    const bool plain = is_summed_plainly(count);
-    if (!seen.insert({count, condition.view, plain ? "" : condition.cell.column.object.material}).second)
-      continue;
-    shading += points * (plain ? kPairCost * static_cast<double>(count) : kCutCost);
-  }
-  std::set<int> views;
-  for (const Family& one : missing.families) views.insert(one.view);
-  return family * static_cast<double>(missing.families.size()) + room * static_cast<double>(views.size()) +
-         shading;
 }
 
 struct GroupJob {
@@ -68,6 +28,18 @@ struct GroupJob {
   LayerStore& store;
   Progress& progress;
   std::map<std::string, double>& seconds;
+  WorkLog& log;
+};
+
+// Adds the time that it lives to a stage, and to the log what was done in it.
+class LoggedWork {
+ public:
+  LoggedWork(const GroupJob& job, const char* stage, std::string what)
+      : work_(job.log, std::move(what)), watch_(job.seconds[stage]) {}
+
+ private:
+  LoggedProduct work_;
+  Stopwatch watch_;
 };
 
 Materials materials_of(const GroupJob& job, const std::string& material) {
@@ -125,14 +97,17 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
   BackgroundPlan plan;
   std::vector<TracedLayer> backgrounds;
   {
-    const Stopwatch watch(job.seconds["backgrounds"]);
+    const LoggedWork work(
+        job, "backgrounds",
+        fmt::format("backgrounds {}-{}-v{} of {} materials", families[0].object.geometry,
+                    format_illumination(families[0].object.illumination), families[0].view, families.size()));
     plan = plan_background(job.world, primary, params, progress);
     backgrounds = trace_planned_backgrounds(job.world, materials, primary, plan, params, progress.advance);
   }
   for (std::size_t i = 0; i < families.size(); ++i) {
     FamilyLayers layers;
     {
-      const Stopwatch watch(job.seconds["references"]);
+      const LoggedWork work(job, "references", "reference " + format_key(families[i]));
       layers = trace_object({job.world, materials[i], primary}, plan, std::move(backgrounds[i]),
                             make_reference_params(job.study, families[i]), progress);
     }
@@ -143,7 +118,7 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
 // VPL layers wanted: material -> clamp levels.
 using LevelsByMaterial = std::map<std::string, std::set<int>>;
 
-Condition make_condition(const GroupKey& group, const std::string& material, std::int64_t vpl_count,
+Condition make_condition(const WorldKey& group, const std::string& material, std::int64_t vpl_count,
                          int level, int view) {
   return {{{{group.geometry, material, group.illumination}, vpl_count}, level, false}, view};
 }
@@ -171,7 +146,7 @@ struct ViewJob {
 // One geometry, illumination and VPL count: what the VPL layers of its views are made from.
 struct VplJob {
   const GroupJob& group;
-  const GroupKey& key;
+  const WorldKey& key;
   std::int64_t vpl_count;
   std::int64_t paths;
   std::vector<const ViewJob*> views;  // that want some of it
@@ -201,9 +176,11 @@ class SharedVpls {
   /// Those of this material alone; `shared` of the first.
   VplSet trace(const std::string& material) {
     const GroupJob& group = job_.group;
-    const Stopwatch watch(group.seconds["VPL tracing"]);
+    const LoggedWork work(group, "VPL tracing", fmt::format("{} {}", stream_, material));
     const Materials materials = materials_of(group, material);
     const Emission emission = group.study.emission;
+    const auto cost = kVplCost * static_cast<double>(job_.vpl_count);
+    group.progress.advance(cost * (first_.paths == 0 ? 1 : kOwnVpls));
     if (first_.paths == 0) {
       VplSet set = trace_vpls(group.world, materials, job_.paths, group.study.seed, stream_, emission);
       first_.paths = set.paths;
@@ -267,7 +244,10 @@ void render_plain_sums(const VplJob& job, const ViewJob& view, const PlainVpls& 
   for (const auto& [material, some] : wanted)
     materials.push_back(make_material(find_material(group.scene, material)));
   const auto shade = [&](const VplList& list, const std::vector<Material>& of, double cost) {
-    const Stopwatch watch(group.seconds["VPL shading"]);
+    const LoggedWork work(group, "VPL shading",
+                          fmt::format("plain sums {}-{}-{}-v{} of {} materials", job.key.geometry,
+                                      format_illumination(job.key.illumination),
+                                      format_vpl_count(job.vpl_count), view.view, of.size()));
     return shade_all_vpls(group.world, view.points, list, of, clamps,
                           [&](double pairs) { group.progress.advance(cost * pairs); });
   };
@@ -328,10 +308,17 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
   const std::vector<int>& levels = group.study.clamp_levels;
   const std::vector<double> clamps = clamps_of(levels);
   const Material material = make_material(find_material(group.scene, name));
-  const auto advance = [&](double points) { group.progress.advance(kCutCost * points); };
-  const MeasuredCut cut =
-      shade_measured({group.world, view.points, {&trees.shared, &trees.own}, material, clamps, advance},
-                     {kErrorRatio, find_floor(job, view, name), group.study.certified}, group.study.seed);
+  const auto advance = [&](double points) { group.progress.advance(cost_of_cut(job.vpl_count) * points); };
+  const auto shade = [&] {
+    const LoggedProduct work(
+        group.log, fmt::format("cuts {}-{}-{}-{}-v{} at {} levels", job.key.geometry, name,
+                               format_illumination(job.key.illumination), format_vpl_count(job.vpl_count),
+                               view.view, levels.size()));
+    return shade_measured({group.world, view.points, {&trees.shared, &trees.own}, material, clamps, advance},
+                          {kErrorRatio, find_floor(job, view, name), group.study.certified},
+                          group.study.seed);
+  };
+  const MeasuredCut cut = shade();
   group.seconds["VPL shading"] += cut.measures.seconds_cut;
   group.seconds["measured error"] += cut.measures.seconds_measured;
   save_vpl_layers(
@@ -352,7 +339,10 @@ void render_all_lightcuts(const VplJob& job) {
     std::int64_t count = 0;
     with_vpl_memory(job.vpl_count, [&] {
       VplSet set = tracing.trace(name);
-      const Stopwatch watch(job.group.seconds["light trees"]);
+      const LoggedWork work(
+          job.group, "light trees",
+          fmt::format("light tree {}-{}-{}-{}", job.key.geometry, name,
+                      format_illumination(job.key.illumination), format_vpl_count(job.vpl_count)));
       if (shared_count < 0) {
         shared_count = static_cast<std::int64_t>(set.shared.size());
         shared_tree = make_light_tree(std::move(set.shared), tree_params);
@@ -377,7 +367,7 @@ void render_vpl_layers(const VplJob& job) {
 }
 
 // A view's families, whose references its cuts need.
-ViewJob open_view(const GroupJob& job, const MissingLayers& missing, int view) {
+ViewJob open_view(const GroupJob& job, const Wanted& missing, int view) {
   ViewJob opened;
   opened.view = view;
   std::vector<Family> families;
@@ -398,7 +388,7 @@ ViewJob open_view(const GroupJob& job, const MissingLayers& missing, int view) {
 }
 
 // References of all views, then VPL count by count: the views share VPLs and trees.
-void render_group(const GroupJob& job, const GroupKey& key, const MissingLayers& missing) {
+void render_group(const GroupJob& job, const WorldKey& key, const Wanted& missing) {
   std::vector<ViewJob> views;
   std::set<std::int64_t> counts;
   for (int view = 0; view < kViewCount; ++view) {
@@ -416,28 +406,28 @@ void render_group(const GroupJob& job, const GroupKey& key, const MissingLayers&
 
 }  // namespace
 
-std::map<std::string, double> render_layers(const Recipes& recipes, const Scene& scene,
-                                            const MissingLayers& missing, LayerStore& store) {
+double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
+                     WorkLog& log, std::map<std::string, double>& seconds) {
   const Study& study = recipes.study;
-  std::map<std::string, double> seconds;
   const auto groups = group_layers(missing);
-  std::map<GroupKey, World> worlds;
-  double work = 0;
+  std::map<WorldKey, World> worlds;
+  std::map<WorldKey, WorldCosts> costs;
   {
     const Stopwatch watch(seconds["worlds"]);
     for (const auto& [key, group] : groups) {
       const auto& world =
           worlds.emplace(key, make_world(scene, key.geometry, key.illumination)).first->second;
-      work += estimate_work(study, scene, world, group);
+      costs[key] = estimate_costs(study, scene, world);
     }
   }
+  const double work = sum_work(list_work(costs, missing));
   Progress progress("rendering", work);
   for (const auto& [key, group] : groups) {
-    const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds};
+    const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds, log};
     render_group(job, key, group);
     worlds.erase(key);
   }
-  return seconds;
+  return work;
 }
 
 }  // namespace equilux

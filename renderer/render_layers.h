@@ -8,20 +8,16 @@
 
 #include "protocols/study.h"
 #include "renderer/layer_store.h"
+#include "renderer/timing.h"
 #include "renderer/wanted.h"
 #include "stimuli/scene.h"
 
 namespace equilux {
 
-/// Layers to render. `levels` are conditions that are not normalised.
-struct MissingLayers {
-  std::vector<Family> families;
-  std::vector<Condition> conditions;
-  bool empty() const { return families.empty() && conditions.empty(); }
-};
-
-/// Renders them; each layer is recorded as soon as it is whole. Gives the seconds by stage.
-std::map<std::string, double> render_layers(const Recipes& recipes, const Scene& scene,
-                                            const MissingLayers& missing, LayerStore& store);
+/// Renders what is missing, whose conditions are not normalised; each layer is recorded as soon as it is
+/// whole, and each product is logged. Adds to the seconds by stage, and gives the work as it was foreseen.
+/// units: paths
+double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
+                     WorkLog& log, std::map<std::string, double>& seconds);
 
 }  // namespace equilux

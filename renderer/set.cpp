@@ -9,6 +9,7 @@
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/folder_lock.h"
 #include "base/progress.h"
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
@@ -58,30 +59,13 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
   save_text(folder.study(), format_json(study.source));
 }
 
-MissingLayers find_missing(const Recipes& recipes, const Wanted& wanted, LayerStore& store,
-                           const StudyFolder& folder) {
-  const bool locked = has_sessions(folder);
-  const auto is_missing = [&](const std::string& name, const std::string& recipe) {
-    if (locked && store.is_other(name, recipe)) refuse_change(folder, fmt::format("another {}", name));
-    return !store.is_whole(name, recipe);
-  };
-  MissingLayers missing;
-  for (const Family& family : wanted.families) {
-    const std::string recipe = digest_family_recipe(recipes, family);
-    bool lacks = false;
-    for (const char* content : kFamilyContents) lacks |= is_missing(layer_name(family, content), recipe);
-    if (lacks) missing.families.push_back(family);
+// Of a set that was shown no layer may change.
+void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
+                     const LayerStore& store) {
+  if (!has_sessions(folder)) return;
+  for (const auto& [name, recipe] : recipes) {
+    if (store.is_other(name, recipe)) refuse_change(folder, fmt::format("another {}", name));
   }
-  std::set<std::string> seen;
-  for (Condition condition : wanted.conditions) {
-    for (int level : needed_levels(condition)) {
-      condition.cell = {condition.cell.column, level, false};
-      const std::string name = vpl_layer_name(condition);
-      if (!seen.insert(name).second) continue;
-      if (is_missing(name, digest_vpl_recipe(recipes, condition))) missing.conditions.push_back(condition);
-    }
-  }
-  return missing;
 }
 
 // The layers of a family, loaded once for all its pictures.
@@ -258,33 +242,119 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   summary.seconds["pictures"] += seconds_since(start);
 }
 
+// One run: what is wanted, and the folder that it stands in or will be gathered into.
+class SetMaker {
+ public:
+  explicit SetMaker(const SetParams& params)
+      : params_(params),
+        study_(load_study(params.study_path)),
+        scene_(load_scene(study_.scene_path)),
+        folder_{params.folder},
+        wanted_(find_share(enumerate_wanted(study_, params.only))),
+        recipes_(make_recipes(study_, scene_, wanted_)) {
+    summary_.target = study_.noise_target;
+  }
+
+  SetSummary make() {
+    const auto start = std::chrono::steady_clock::now();
+    make_folder(folder_.root);
+    const StudyFolder own = params_.job ? open_share() : folder_;
+    make_folder(own.root);
+    const FolderLock lock(own.root);
+    check_not_busy(lock, own.root);
+    prepare_folder(own, study_);
+    LayerStore store(own, study_);
+    if (!params_.job) {
+      check_unchanged(folder_, list_layers(recipes_, wanted_), store);
+      summary_.warnings = gather_jobs(folder_, study_, scene_, store);
+    }
+    timing_.seconds["checking"] = seconds_since(start);
+    complete_layers(own, store);
+    if (!params_.job) tonemap_wanted(study_, own, store, wanted_, summary_);
+    tell_times(own);
+    return std::move(summary_);
+  }
+
+ private:
+  Wanted find_share(Wanted all) const {
+    if (!params_.job) return all;
+    const JobShare& job = *params_.job;
+    return join_work(plan_jobs(study_, scene_, all, job.count)[static_cast<std::size_t>(job.index - 1)]);
+  }
+
+  // The set's own folder is prepared too, so that it can be gathered into.
+  StudyFolder open_share() const {
+    if (!path_exists(folder_.study())) prepare_folder(folder_, study_);
+    if (load_study(folder_.study()).digest != study_.digest)
+      throw InputError(folder_.root.string(), "", "the folder of this study",
+                       "that of another, or of an older version");
+    check_unchanged(folder_, list_layers(recipes_, wanted_), LayerStore(folder_, study_));
+    return {folder_.job(format_job_folder(*params_.job))};
+  }
+
+  void adopt_from(const fs::path& root, LayerStore& store) {
+    const StudyFolder other{root};
+    if (!path_exists(other.layers())) return;
+    LayerStore from(other, study_);
+    summary_.layers_adopted += adopt_layers(list_layers(recipes_, wanted_), store, from);
+  }
+
+  void complete_layers(const StudyFolder& own, LayerStore& store) {
+    if (params_.job) adopt_from(folder_.root, store);
+    for (const fs::path& other : params_.reuse) {
+      load_folder_study({other});  // says so if it is none
+      adopt_from(other, store);
+    }
+    const Wanted missing = find_missing(recipes_, wanted_, store);
+    if (!missing.empty()) {
+      if (!params_.render) refuse_gaps(missing);
+      render_missing(own, missing, store);
+    }
+    store.save_record();
+  }
+
+  [[noreturn]] void refuse_gaps(const Wanted& missing) const {
+    const std::string first = missing.families.empty() ? format_key(missing.conditions.front())
+                                                       : format_key(missing.families.front());
+    throw InputError(folder_.root.string(), "", "every share of the set, rendered",
+                     fmt::format("{} references and {} layers of VPL pictures missing, {} the first",
+                                 missing.families.size(), missing.conditions.size(), first));
+  }
+
+  void render_missing(const StudyFolder& own, const Wanted& missing, LayerStore& store) {
+    summary_.layers_rendered =
+        missing.families.size() * std::size(kFamilyContents) + missing.conditions.size();
+    WorkLog log(own);
+    timing_.work = render_layers(recipes_, scene_, missing, store, log, timing_.seconds);
+  }
+
+  void tell_times(const StudyFolder& own) {
+    timing_.layers_rendered = summary_.layers_rendered;
+    timing_.pictures_written = summary_.pictures_written;
+    for (const auto& [stage, seconds] : summary_.seconds) timing_.seconds[stage] += seconds;
+    summary_.seconds = timing_.seconds;
+    if (summary_.layers_rendered + summary_.pictures_written > 0) append_timing(own, timing_);
+  }
+
+  const SetParams& params_;
+  Study study_;
+  Scene scene_;
+  StudyFolder folder_;
+  Wanted wanted_;
+  Recipes recipes_;
+  SetSummary summary_;
+  RunTiming timing_;
+};
+
 }  // namespace
 
-SetSummary make_set(const SetParams& params) {
-  const auto start = std::chrono::steady_clock::now();
-  const Study study = load_study(params.study_path);
-  const Scene scene = load_scene(study.scene_path);
-  const Wanted wanted = enumerate_wanted(study, params.only);
-  const Recipes recipes = make_recipes(study, scene, wanted);
-  const StudyFolder folder{params.folder};
-  prepare_folder(folder, study);
-  LayerStore store(folder, study);
-  const MissingLayers missing = find_missing(recipes, wanted, store, folder);
-  SetSummary summary;
-  summary.target = study.noise_target;
-  summary.layers_rendered = missing.families.size() * std::size(kFamilyContents) + missing.conditions.size();
-  summary.seconds["checking"] = seconds_since(start);
-  if (!missing.empty()) summary.seconds.merge(render_layers(recipes, scene, missing, store));
-  store.save_record();
-  tonemap_wanted(study, folder, store, wanted, summary);
-  if (summary.layers_rendered + summary.pictures_written > 0)
-    append_timing(folder, summary.seconds, summary.layers_rendered, summary.pictures_written);
-  return summary;
-}
+SetSummary make_set(const SetParams& params) { return SetMaker(params).make(); }
 
 SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const StudyFolder folder{root};
   const Study study = load_folder_study(folder);
+  const FolderLock lock(root);
+  check_not_busy(lock, root);
   const LayerStore store(folder, study);
   SetSummary summary;
   summary.target = study.noise_target;
@@ -293,8 +363,10 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
 }
 
 std::string format_summary(const SetSummary& summary) {
-  std::string text = fmt::format("{} pictures, {} written now, {} layers rendered now\n\n", summary.pictures,
+  std::string text = fmt::format("{} pictures, {} written now, {} layers rendered now", summary.pictures,
                                  summary.pictures_written, summary.layers_rendered);
+  if (summary.layers_adopted > 0) text += fmt::format(", {} taken over", summary.layers_adopted);
+  text += "\n\n";
   text += fmt::format("{:<14}{:>10}\n", "stage", "seconds");
   for (const auto& [stage, seconds] : summary.seconds)
     text += fmt::format("{:<14}{:>10.1f}\n", stage, seconds);

@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "protocols/study.h"
 #include "renderer/cut_error.h"
+#include "renderer/jobs.h"
 #include "renderer/tone.h"
 
 namespace equilux {
@@ -15,7 +17,10 @@ namespace equilux {
 struct SetParams {
   std::filesystem::path study_path;
   std::filesystem::path folder;
-  std::string only = "*";  ///< glob over keys of pictures and references
+  std::string only = "*";                         ///< glob over keys of pictures and references
+  std::optional<JobShare> job = {};               ///< this share alone, into a folder of its own; no pictures
+  std::vector<std::filesystem::path> reuse = {};  ///< study folders whose layers may be taken over
+  bool render = true;                             ///< false: only gather, and refuse what is still missing
 };
 
 /// What a run did. units: s
@@ -23,6 +28,7 @@ struct SetSummary {
   std::size_t pictures = 0;          ///< in the manifest that the glob names
   std::size_t pictures_written = 0;  ///< by this run
   std::size_t layers_rendered = 0;   ///< by this run
+  std::size_t layers_adopted = 0;    ///< by this run, from other folders
   std::map<std::string, double> seconds;
   std::map<std::string, DisplayNoise> noise;  ///< by key of the reference
   NoiseTarget target;
@@ -30,9 +36,10 @@ struct SetSummary {
   std::vector<std::string> warnings;                ///< what is legal and hardly ever meant
 };
 
-/// Renders what is missing, then tone-maps. What is whole on disk and made from the same is kept; a run that
-/// was stopped goes on. Where the folder holds sessions, a picture that may have been shown is never changed.
-/// errors: InputError, StoreError
+/// Gathers what shares have left, renders what is missing, then tone-maps. What is whole on disk and made
+/// from the same is kept; a run that was stopped goes on. Where the folder holds sessions, a picture that may
+/// have been shown is never changed. A share stays in its folder in DIR/jobs until it is gathered. errors:
+/// InputError, StoreError
 SetSummary make_set(const SetParams& params);
 
 /// Tone-maps the layers of a folder again, by its own study file. errors: InputError if a layer is missing.

@@ -1,6 +1,9 @@
 // timing.json, read and added to.
 #include "renderer/timing.h"
 
+#include <exception>
+#include <fmt/format.h>
+
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
@@ -11,16 +14,21 @@
 namespace equilux {
 namespace {
 
-Json make_run(const std::map<std::string, double>& seconds_by_stage, std::size_t layers_rendered,
-              std::size_t pictures_written) {
+Json make_run(const RunTiming& timing) {
   Json seconds;
-  for (const auto& [stage, time] : seconds_by_stage) seconds.set(stage, time);
+  for (const auto& [stage, time] : timing.seconds) seconds.set(stage, time);
   Json run;
   run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", find_host_name());
   run.set("isa", format_isa(current_isa())).set("threads", count_threads());
-  run.set("layers_rendered", layers_rendered).set("pictures_written", pictures_written);
-  run.set("seconds", std::move(seconds));
+  run.set("layers_rendered", timing.layers_rendered).set("pictures_written", timing.pictures_written);
+  run.set("foreseen_work", timing.work).set("seconds", std::move(seconds));
   return run;
+}
+
+void save_runs(const StudyFolder& folder, Json runs) {
+  Json json;
+  json.set("schema", "equilux-timing").set("schema_version", 1).set("runs", std::move(runs));
+  save_text(folder.timing(), format_json(json));
 }
 
 }  // namespace
@@ -37,13 +45,50 @@ Json load_timing(const StudyFolder& folder) {
   return *runs;
 }
 
-void append_timing(const StudyFolder& folder, const std::map<std::string, double>& seconds,
-                   std::size_t layers_rendered, std::size_t pictures_written) {
+void append_timing(const StudyFolder& folder, const RunTiming& timing) {
   Json runs = load_timing(folder);
-  runs.push(make_run(seconds, layers_rendered, pictures_written));
-  Json json;
-  json.set("schema", "equilux-timing").set("schema_version", 1).set("runs", std::move(runs));
-  save_text(folder.timing(), format_json(json));
+  runs.push(make_run(timing));
+  save_runs(folder, std::move(runs));
+}
+
+void join_timing(const StudyFolder& folder, const StudyFolder& share) {
+  Json runs = load_timing(folder);
+  const Json more = load_timing(share);
+  for (const Json& run : more.as_array()) runs.push(run);
+  save_runs(folder, std::move(runs));
+  std::ifstream lines(share.log());
+  std::ofstream(folder.log(), std::ios::app) << lines.rdbuf();
+}
+
+std::optional<double> find_speed(const StudyFolder& folder) {
+  const Json runs = load_timing(folder);
+  double work = 0, time = 0;
+  for (const Json& run : runs.as_array()) {
+    const Json *done = run.find("foreseen_work"), *seconds = run.find("seconds");
+    if (!done || !done->is_number() || !(done->as_double() > 0) || !seconds || !seconds->is_object())
+      continue;
+    work += done->as_double();
+    for (const auto& [stage, spent] : seconds->as_object())
+      time += spent.is_number() && stage != "pictures" && stage != "checking" ? spent.as_double() : 0;
+  }
+  if (!(work > 0 && time > 0)) return {};
+  return work / time;
+}
+
+WorkLog::WorkLog(const StudyFolder& folder) : file_(folder.log(), std::ios::app) {}
+
+void WorkLog::add(const std::string& line) { file_ << format_utc_now() << " " << line << std::endl; }
+
+LoggedProduct::LoggedProduct(WorkLog& log, std::string product)
+    : log_(log),
+      product_(std::move(product)),
+      exceptions_(std::uncaught_exceptions()),
+      start_(std::chrono::steady_clock::now()) {}
+
+LoggedProduct::~LoggedProduct() {
+  if (std::uncaught_exceptions() > exceptions_) return;
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  log_.add(fmt::format("{}: {:.2f} s", product_, seconds));
 }
 
 }  // namespace equilux

@@ -15,6 +15,7 @@ namespace equilux {
 struct Wanted {
   std::vector<Family> families;
   std::vector<Condition> conditions;
+  bool empty() const { return families.empty() && conditions.empty(); }
 };
 
 /// errors: InputError if the glob names nothing.

@@ -19,11 +19,14 @@ struct StudyFolder {
     return root / "windows.json";
   }  ///< copied once, then a person's to edit
   std::filesystem::path truth() const { return root / "truth.json"; }  ///< copy of the default planted truth
-  std::filesystem::path layer_folder() const { return root / "layers"; }      ///< EXR
-  std::filesystem::path layers() const { return root / "layers.json"; }       ///< what was rendered
-  std::filesystem::path timing() const { return root / "timing.json"; }       ///< outside all digests
-  std::filesystem::path picture_folder() const { return root / "pictures"; }  ///< PNG
-  std::filesystem::path manifest() const { return root / "manifest.json"; }   ///< what may be shown
+  std::filesystem::path layer_folder() const { return root / "layers"; }  ///< EXR
+  std::filesystem::path layers() const { return root / "layers.json"; }   ///< what was rendered
+  std::filesystem::path timing() const { return root / "timing.json"; }   ///< outside all digests
+  std::filesystem::path log() const { return root / "render.log"; }       ///< outside all digests
+  std::filesystem::path jobs() const { return root / "jobs"; }            ///< shares not yet gathered
+  std::filesystem::path job(const std::string& name) const { return jobs() / name; }  ///< a study folder
+  std::filesystem::path picture_folder() const { return root / "pictures"; }          ///< PNG
+  std::filesystem::path manifest() const { return root / "manifest.json"; }           ///< what may be shown
   std::filesystem::path responses() const { return root / "responses.sqlite"; }
   std::filesystem::path selection(SubjectKind kind) const {
     return root / ("selection-" + format_kind(kind) + ".json");

@@ -20,7 +20,7 @@ class StudyFile : public testing::Test {
  protected:
   static Json original(const std::string& name) {
     const auto path = std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols" / (name + ".json");
-    return parse_json(load_text(path), path.string());
+    return load_study(path).source;
   }
   Study load(const Json& json) { return load_study(folder_.write("study.json", format_json(json))); }
 
@@ -189,6 +189,44 @@ TEST_F(StudyFile, ThatIsHugeIsRefusedBeforeItIsParsed) {
 TEST_F(StudyFile, ThatIsMissingOrAFolderIsNamed) {
   EXPECT_THAT(message_of<InputError>([&] { load_study(folder_ / "none.json"); }), HasSubstr("none.json"));
   EXPECT_THAT(message_of<InputError>([&] { load_study(folder_.path()); }), HasSubstr("got a folder"));
+}
+
+TEST_F(StudyFile, ThatExtendsAnotherIsWhatItWouldBeInFull) {
+  std::filesystem::create_directory(folder_ / "base");
+  folder_.write("base/pocket.json", format_json(pocket_));
+  const Json block = parse_json(
+      R"({"geometries":["G1"],"materials":["MR"],"illuminations":["dir"],"vpl_counts":["5M"]})", "");
+  Json extension;
+  extension.set("extends", "base/pocket.json").set("name", "more").set("windows", "windows.json");
+  extension.set("reference_materials", make_json({"GS"})).set("more_blocks", Json(Json::Array{block}));
+  const Study study = load(extension);
+  Json full = pocket_, blocks = pocket_.at("blocks");
+  blocks.push(block);
+  full.set("name", "more").set("windows", "windows.json").set("reference_materials", make_json({"GS"}));
+  full.set("truth", "base/pocket/truth.json")
+      .set("scene", "stimuli/scenes/cafe.json")
+      .set("blocks", std::move(blocks));
+  EXPECT_EQ(format_canonical_json(study.source), format_canonical_json(full));
+  EXPECT_EQ(study.digest, digest_json(full));
+  EXPECT_EQ(study.windows_path, folder_ / "windows.json");
+  EXPECT_EQ(study.truth_path, folder_ / "base/pocket/truth.json");
+  EXPECT_EQ(study.scene_path, folder_ / "stimuli/scenes/cafe.json");
+  EXPECT_EQ(study.blocks.size(), pocket_.at("blocks").as_array().size() + 1);
+}
+
+TEST_F(StudyFile, ThatExtendsWhatItCannotSaysSo) {
+  EXPECT_THAT(refusal_of(Json().set("extends", 3)),
+              HasSubstr("/extends: expected the name of a study file, got 3"));
+  EXPECT_THAT(refusal_of(Json().set("extends", "study.json")),
+              HasSubstr("/extends: expected a chain of at most 8 studies, got a longer one"));
+  folder_.write("study.json", format_json(Json().set("extends", "none.json")));
+  EXPECT_THAT(message_of<InputError>([&] { load_study(folder_ / "study.json"); }), HasSubstr("none.json"));
+  EXPECT_THAT(refusal_of(with(pocket_, "/more_blocks", pocket_.at("blocks"))), HasSubstr("more_blocks"));
+  folder_.write("base.json", format_json(pocket_));
+  Json again = Json().set("extends", "base.json").set("more_blocks", pocket_.at("blocks"));
+  EXPECT_THAT(refusal_of(again), HasSubstr("/blocks/1: expected columns that no other block has"));
+  EXPECT_THAT(refusal_of(again.set("more_blocks", 1)), HasSubstr("/more_blocks: expected an array"));
+  EXPECT_THAT(refusal_of(Json().set("extends", "base.json").set("colour", 1)), HasSubstr("colour"));
 }
 
 TEST_F(StudyFile, GivesOneDigestWhateverTheOrderOfItsMembers) {

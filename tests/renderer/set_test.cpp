@@ -17,14 +17,7 @@ namespace equilux {
 namespace {
 namespace fs = std::filesystem;
 
-std::map<std::string, std::string> digest_products(const fs::path& folder) {
-  std::map<std::string, std::string> digests;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file() || entry.path().filename() == "timing.json") continue;
-    digests[fs::relative(entry.path(), folder).string()] = digest_file(entry.path());
-  }
-  return digests;
-}
+using test::digest_products;
 
 SetSummary render(const test::TinyStudy& study, const std::string& out, const std::string& only = "*") {
   return make_set({study.path(), study.folder() / out, only});

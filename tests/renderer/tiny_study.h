@@ -2,10 +2,24 @@
 // VPLs, one geometry.
 #pragma once
 
+#include <map>
+
+#include "base/digest.h"
 #include "protocols/study.h"
 #include "tests/renderer/test_scene.h"
 
 namespace equilux::test {
+
+/// Of every file of a study folder but those that tell of times. shape: relative name -> digest
+inline std::map<std::string, std::string> digest_products(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> digests;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    if (!entry.is_regular_file() || name == "timing.json" || name == "render.log") continue;
+    digests[std::filesystem::relative(entry.path(), folder).string()] = digest_file(entry.path());
+  }
+  return digests;
+}
 
 class TinyStudy {
  public:

@@ -46,7 +46,8 @@ std::size_t count_files(const fs::path& folder) {
 std::map<std::string, std::string> digest_products(const fs::path& folder) {
   std::map<std::string, std::string> digests;
   for (const fs::path& file : list_files(folder)) {
-    if (file.filename() != "timing.json") digests[fs::relative(file, folder).string()] = digest_file(file);
+    if (file.filename() != "timing.json" && file.filename() != "render.log")
+      digests[fs::relative(file, folder).string()] = digest_file(file);
   }
   return digests;
 }

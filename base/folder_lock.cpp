@@ -1,0 +1,31 @@
+// An advisory lock of the system on a file of its own.
+#include "base/folder_lock.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "base/error.h"
+
+namespace equilux {
+
+FolderLock::FolderLock(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / ".lock";
+  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0)
+    throw StoreError(fmt::format("{}: cannot open: {}", path.string(), std::strerror(errno)));
+  busy_ = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+}
+
+FolderLock::~FolderLock() { ::close(descriptor_); }
+
+void check_not_busy(const FolderLock& lock, const std::filesystem::path& folder) {
+  if (lock.is_busy())
+    throw InputError(folder.string(), "", "a folder that no other process writes",
+                     "one that another process is writing; wait for it, or stop it");
+}
+
+}  // namespace equilux

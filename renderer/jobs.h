@@ -1,0 +1,47 @@
+// A set in shares: each rendered by itself, in a folder of its own, and gathered into the set's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderer/layer_store.h"
+#include "renderer/work.h"
+
+namespace equilux {
+
+/// The index-th of `count` shares of a study's work, counted from 1.
+struct JobShare {
+  int index = 1;
+  int count = 1;
+};
+
+inline constexpr int kMostJobs = 10000;
+
+/// "3/16". errors: InputError
+JobShare parse_job(const std::string& text);
+
+/// The folder of a share: 3-of-16.
+std::string format_job_folder(const JobShare& job);
+
+/// All shares of what is wanted, the same whatever is on disk. errors: InputError for what the scene lacks
+std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& scene, const Wanted& wanted,
+                                             int count);
+
+/// Names of the layers of what is wanted, each with the digest of its recipe.
+std::map<std::string, std::string> list_layers(const Recipes& recipes, const Wanted& wanted);
+
+/// The part of it whose layers are not whole in the store.
+Wanted find_missing(const Recipes& recipes, const Wanted& wanted, LayerStore& store);
+
+/// Takes over from another folder what the store lacks and what was made there from the same. Gives the
+/// number of layers. errors: StoreError
+std::size_t adopt_layers(const std::map<std::string, std::string>& recipes, LayerStore& store,
+                         LayerStore& from);
+
+/// Takes over what shares have left in the folder, and removes those folders of which nothing remains that
+/// the set lacks. Gives warnings: of shares that are still being rendered.
+/// errors: StoreError; InputError if a share's records are damaged, or for what the scene lacks
+std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& study, const Scene& scene,
+                                     LayerStore& store);
+
+}  // namespace equilux

@@ -1,0 +1,137 @@
+// equilux-render plan, gather, submit: a set in shares.
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "base/program.h"
+#include "base/progress.h"
+#include "renderer/commands.h"
+#include "renderer/jobs.h"
+#include "renderer/set.h"
+#include "renderer/submit.h"
+#include "renderer/timing.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+struct PlanOptions {
+  fs::path study, folder;
+  std::string only = "*";
+  int jobs = 1;
+};
+
+// Work a second, and where it is known from.
+std::pair<double, std::string> find_rate(const PlanOptions& options, const Study& study, const Scene& scene) {
+  if (!options.folder.empty()) {
+    if (const auto speed = find_speed({options.folder}))
+      return {*speed, "as in " + StudyFolder{options.folder}.timing().string()};
+  }
+  return {measure_speed(study, scene), "measured now on this machine; --out takes it from what was rendered"};
+}
+
+int run_plan(const PlanOptions& options) {
+  const Study study = load_study(options.study);
+  const Scene scene = load_scene(study.scene_path);
+  const Wanted wanted = enumerate_wanted(study, options.only);
+  const auto jobs = plan_jobs(study, scene, wanted, options.jobs);
+  const auto [speed, source] = find_rate(options, study, scene);
+  fmt::print("{}: {} references, {} VPL pictures in {} shares\n\n", study.name, wanted.families.size(),
+             wanted.conditions.size(), options.jobs);
+  fmt::print("{:<12}{:>12}{:>14}{:>10}  {}\n", "job", "references", "VPL pictures", "foreseen", "from, to");
+  double longest = 0, sum = 0;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const Wanted share = join_work(jobs[i]);
+    const double seconds = sum_work(jobs[i]) / speed;
+    longest = std::max(longest, seconds);
+    sum += seconds;
+    fmt::print("{:<12}{:>12}{:>14}{:>10}  {}\n", fmt::format("{}/{}", i + 1, jobs.size()),
+               share.families.size(), share.conditions.size(), fmt::format("{:.0f} s", seconds),
+               jobs[i].empty()
+                   ? std::string("nothing")
+                   : format_key(jobs[i].front().family) + ", " + format_key(jobs[i].back().family));
+  }
+  fmt::print("\nThe longest {}, all one after another {}; {:.3g} paths a second, {}.\n",
+             format_seconds(longest), format_seconds(sum), speed, source);
+  return kExitOk;
+}
+
+struct SubmitOptions {
+  SubmitParams params;
+  std::string engine = "slurm";
+  bool dry_run = false;
+};
+
+int run_submit(const SubmitOptions& options, const std::string& isa) {
+  SubmitParams params = options.params;
+  params.isa = isa;
+  params.program = fs::canonical("/proc/self/exe");
+  params.study_path = fs::absolute(params.study_path);
+  params.folder = fs::absolute(params.folder);
+  const SlurmJobs jobs = make_slurm_jobs(params, find_unfinished(params));
+  fmt::print("{} of {} shares to render\n", jobs.indices.size(), params.count);
+  if (options.dry_run) {
+    for (const std::string& command : format_sbatch(jobs)) fmt::print("{}\n", command);
+    fmt::print("\n{}:\n{}\n{}:\n{}", jobs.array_script.string(), jobs.array_text, jobs.gather_script.string(),
+               jobs.gather_text);
+    return kExitOk;
+  }
+  save_scripts(jobs);
+  for (const std::string& number : submit_slurm(jobs)) fmt::print("job {}\n", number);
+  return kExitOk;
+}
+
+CLI::Validator is_job_count() { return CLI::Range(1, kMostJobs); }
+
+}  // namespace
+
+void add_plan(CLI::App& app, CommandLine& line) {
+  auto options = std::make_shared<PlanOptions>();
+  CLI::App* plan =
+      app.add_subcommand("plan", "Foresee how long a stimulus set takes, in shares of equal cost");
+  plan->add_option("study", options->study, "Study file")->required();
+  plan->add_option("--jobs", options->jobs, "Shares (1)")->check(is_job_count());
+  plan->add_option("--only", options->only, "Glob over keys of pictures and references");
+  plan->add_option("--out", options->folder, "Study folder whose times tell the speed of its machines");
+  add_machine(*plan, line);
+  plan->footer("Example: equilux-render plan protocols/paper.json --jobs 16");
+  plan->callback([&line, options] { line.command = [options] { return run_plan(*options); }; });
+}
+
+void add_gather(CLI::App& app, CommandLine& line) {
+  auto params = std::make_shared<SetParams>();
+  params->render = false;
+  CLI::App* gather =
+      app.add_subcommand("gather", "Put shares that `set --job` rendered together, and tone-map the set");
+  gather->add_option("study", params->study_path, "Study file")->required();
+  gather->add_option("--out", params->folder, "Study folder")->required();
+  add_machine(*gather, line);
+  gather->footer("Example: equilux-render gather protocols/pocket.json --out studies/pocket");
+  gather->callback([&line, params] {
+    line.command = [params] {
+      fmt::print("{}\n{}\n", format_summary(make_set(*params)), params->folder.string());
+      return kExitOk;
+    };
+  });
+}
+
+void add_submit(CLI::App& app, CommandLine& line) {
+  auto options = std::make_shared<SubmitOptions>();
+  CLI::App* submit =
+      app.add_subcommand("submit", "Give the shares that lack something to a cluster, and gather them after");
+  submit->add_option("study", options->params.study_path, "Study file")->required();
+  submit->add_option("--out", options->params.folder, "Study folder that every machine sees")->required();
+  submit->add_option("--jobs", options->params.count, "Shares; the same number as before, to go on")
+      ->required()
+      ->check(is_job_count());
+  submit->add_option("--engine", options->engine, "Batch system (slurm)")->check(CLI::IsMember({"slurm"}));
+  submit->add_option("--sbatch", options->params.options,
+                     "Options of sbatch without dashes, such as time=2:00:00");
+  submit->add_flag("--dry-run", options->dry_run, "Print the scripts and commands, submit nothing");
+  add_machine(*submit, line);
+  submit->footer(
+      "Example: equilux-render submit protocols/paper.json --out studies/paper --jobs 16 --isa v3");
+  submit->callback(
+      [&line, options] { line.command = [options, &line] { return run_submit(*options, line.isa); }; });
+}
+
+}  // namespace equilux

@@ -1,0 +1,125 @@
+// Scripts that call equilux-render, and sbatch that takes them.
+#include "renderer/submit.h"
+
+#include <cstdio>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/wait.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "renderer/jobs.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+// One word for a shell, whatever it holds.
+std::string quote(const std::string& word) {
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string make_head(const SubmitParams& params, const char* name) {
+  std::string text = fmt::format("#!/bin/sh\n#SBATCH --job-name={}\n", name);
+  for (const std::string& option : params.options) text += fmt::format("#SBATCH --{}\n", option);
+  return text + "set -eu\n";
+}
+
+std::string make_call(const SubmitParams& params, const char* verb) {
+  std::string call = fmt::format("exec {} {} {} --out {}", quote(params.program.string()), verb,
+                                 quote(params.study_path.string()), quote(params.folder.string()));
+  if (!params.isa.empty()) call += " --isa " + params.isa;
+  return call;
+}
+
+// 1-3,7 as Slurm writes arrays.
+std::string format_indices(const std::vector<int>& indices) {
+  std::string text;
+  for (std::size_t i = 0; i < indices.size();) {
+    std::size_t last = i;
+    while (last + 1 < indices.size() && indices[last + 1] == indices[last] + 1) ++last;
+    text += fmt::format("{}{}", text.empty() ? "" : ",", indices[i]);
+    if (last > i) text += fmt::format("-{}", indices[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+std::string format_array_call(const SlurmJobs& jobs) {
+  return fmt::format("sbatch --parsable --array={} {}", format_indices(jobs.indices),
+                     quote(jobs.array_script.string()));
+}
+
+std::string format_gather_call(const SlurmJobs& jobs, const std::string& after) {
+  const std::string dependency = after.empty() ? "" : " --dependency=afterany:" + after;
+  return fmt::format("sbatch --parsable{} {}", dependency, quote(jobs.gather_script.string()));
+}
+
+// The first line that a command prints, without the cluster's name.
+std::string run_sbatch(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  if (!pipe) throw InputError("sbatch", "", "a command that can be run", "none");
+  std::string text;
+  char buffer[256];
+  while (std::fgets(buffer, sizeof buffer, pipe)) text += buffer;
+  const int status = pclose(pipe);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw InputError("sbatch", "", "a job that Slurm takes", command + " failed; see above");
+  return text.substr(0, text.find_first_of(";\n"));
+}
+
+}  // namespace
+
+std::vector<int> find_unfinished(const SubmitParams& params) {
+  const Study study = load_study(params.study_path);
+  const Scene scene = load_scene(study.scene_path);
+  const Wanted all = enumerate_wanted(study, "*");
+  const Recipes recipes = make_recipes(study, scene, all);
+  LayerStore store({params.folder}, study);
+  const auto shares = plan_jobs(study, scene, all, params.count);
+  std::vector<int> unfinished;
+  for (int index = 1; index <= params.count; ++index) {
+    const Wanted missing =
+        find_missing(recipes, join_work(shares[static_cast<std::size_t>(index - 1)]), store);
+    if (missing.empty()) continue;
+    LayerStore own({StudyFolder{params.folder}.job(format_job_folder({index, params.count}))}, study);
+    if (!find_missing(recipes, missing, own).empty()) unfinished.push_back(index);
+  }
+  return unfinished;
+}
+
+SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices) {
+  SlurmJobs jobs;
+  jobs.indices = std::move(indices);
+  const fs::path folder = params.folder / "slurm";
+  jobs.array_script = folder / "array.sh";
+  jobs.gather_script = folder / "gather.sh";
+  jobs.array_text =
+      make_head(params, "equilux") + make_call(params, "set") +
+      fmt::format(" --threads \"${{SLURM_CPUS_PER_TASK:-0}}\" --job \"$SLURM_ARRAY_TASK_ID/{}\"\n",
+                  params.count);
+  jobs.gather_text = make_head(params, "equilux-gather") + make_call(params, "gather") + "\n";
+  return jobs;
+}
+
+void save_scripts(const SlurmJobs& jobs) {
+  make_folder(jobs.array_script.parent_path());
+  save_text(jobs.array_script, jobs.array_text);
+  save_text(jobs.gather_script, jobs.gather_text);
+}
+
+std::vector<std::string> format_sbatch(const SlurmJobs& jobs) {
+  if (jobs.indices.empty()) return {format_gather_call(jobs, "")};
+  return {format_array_call(jobs), format_gather_call(jobs, "JOB")};
+}
+
+std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {
+  std::vector<std::string> numbers;
+  if (!jobs.indices.empty()) numbers.push_back(run_sbatch(format_array_call(jobs)));
+  numbers.push_back(run_sbatch(format_gather_call(jobs, numbers.empty() ? "" : numbers.front())));
+  return numbers;
+}
+
+}  // namespace equilux

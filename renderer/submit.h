@@ -1,0 +1,40 @@
+// A set spread over the machines of a cluster by its batch system.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace equilux {
+
+struct SubmitParams {
+  std::filesystem::path program;  ///< equilux-render, as the machines of the cluster find it
+  std::filesystem::path study_path, folder;
+  int count = 1;                     ///< of shares
+  std::string isa;                   ///< empty: the best of each machine
+  std::vector<std::string> options;  ///< of sbatch, without dashes, for both steps
+};
+
+/// What is handed to Slurm: an array of the shares that lack something, and a step after it that gathers.
+struct SlurmJobs {
+  std::vector<int> indices;  ///< of shares, rising; empty where all that is missing is to gather
+  std::filesystem::path array_script, gather_script;
+  std::string array_text, gather_text;
+};
+
+/// Shares whose layers are neither in the set's folder nor in their own.
+/// errors: InputError for what study or scene lack
+std::vector<int> find_unfinished(const SubmitParams& params);
+
+SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices);
+
+/// Writes the scripts. errors: StoreError
+void save_scripts(const SlurmJobs& jobs);
+
+/// The two calls of sbatch; "JOB" stands for the array's number.
+std::vector<std::string> format_sbatch(const SlurmJobs& jobs);
+
+/// Calls sbatch; gives the numbers of the jobs. errors: InputError if sbatch is not there or refuses
+std::vector<std::string> submit_slurm(const SlurmJobs& jobs);
+
+}  // namespace equilux

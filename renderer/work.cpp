@@ -1,0 +1,154 @@
+// Costs by a few numbers, items by what they share, runs by bisection.
+#include "renderer/work.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+#include "base/error.h"
+#include "renderer/batches.h"
+#include "renderer/reference.h"
+#include "renderer/stopwatch.h"
+
+namespace equilux {
+namespace {
+
+constexpr int kBisections = 50;
+
+void add_costs(const WorldCosts& costs, WorkItem& item) {
+  const std::string world =
+      item.family.object.geometry + "-" + format_illumination(item.family.object.illumination);
+  std::set<std::int64_t> counts;
+  for (const Condition& condition : item.conditions) counts.insert(condition.cell.column.vpl_count);
+  for (const std::int64_t count : counts) {
+    const auto vpls = static_cast<double>(count);
+    const std::string key = world + "-" + format_vpl_count(count);
+    item.shared[key] = kVplCost * vpls * (1 - kOwnVpls);
+    item.shared[key + "-" + item.family.object.material] = kVplCost * vpls * kOwnVpls;
+    if (is_summed_plainly(count)) {
+      item.shared[fmt::format("{}-v{}", key, item.family.view)] = kPairCost * vpls * costs.points;
+    } else {
+      item.own += cost_of_cut(count) * costs.points;
+    }
+  }
+  if (item.has_reference) {
+    item.own += costs.object;
+    item.shared[fmt::format("{}-room-v{}", world, item.family.view)] = costs.room;
+  }
+}
+
+// Without `shared` of what `paid` has, which is added.
+double add_work(const WorkItem& item, std::set<std::string>& paid) {
+  double work = item.own;
+  for (const auto& [key, cost] : item.shared) work += paid.insert(key).second ? cost : 0;
+  return work;
+}
+
+// As many items as fit, again and again.
+std::vector<std::vector<WorkItem>> fill_runs(const std::vector<WorkItem>& items, double most) {
+  std::vector<std::vector<WorkItem>> runs;
+  std::set<std::string> paid;
+  double work = 0;
+  for (const WorkItem& item : items) {
+    std::set<std::string> then = paid;
+    const double more = add_work(item, then);
+    if (runs.empty() || work + more > most) {
+      runs.emplace_back();
+      paid.clear();
+      work = add_work(item, paid);
+    } else {
+      paid = std::move(then);
+      work += more;
+    }
+    runs.back().push_back(item);
+  }
+  return runs;
+}
+
+}  // namespace
+
+double cost_of_cut(std::int64_t vpls) {
+  constexpr double kGrowth = 0.11;  // of cuts with the number of VPLs
+  return kCutCost * std::pow(static_cast<double>(vpls) / 1e5, kGrowth);
+}
+
+WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }
+
+WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world) {
+  const Primary small = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
+  double object = 0;
+  for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
+  const double pixels =
+      static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
+  const ReferenceParams params = make_reference_params(study, {});
+  return {pixels * object * study.subpixel_positions, estimate_object_paths(params, small, pixels),
+          pixels * estimate_background_paths(params, small)};
+}
+
+double measure_speed(const Study& study, const Scene& scene) {
+  constexpr double kEnough = 0.5;  // s
+  const Object object = enumerate_objects(study).front();
+  const World world = make_world(scene, object.geometry, object.illumination);
+  const Materials materials = make_materials(world, find_material(scene, object.material));
+  const Primary primary = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
+  for (int paths = kBatches;; paths *= 4) {
+    const PathMaps maps = make_fixed_maps(primary, {paths, paths, paths});
+    double seconds = 0;
+    {
+      const Stopwatch watch(seconds);
+      trace_layers({world, materials, primary}, maps, study.seed, "speed", {}, [](double) {});
+    }
+    if (seconds > kEnough) return count_paths(primary, maps) / seconds;
+  }
+}
+
+std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted) {
+  std::map<Family, WorkItem> by_family;
+  for (const Family& family : wanted.families) by_family[family].has_reference = true;
+  for (const Condition& condition : wanted.conditions)
+    by_family[family_of(condition)].conditions.push_back(condition);
+  std::vector<WorkItem> items;
+  for (auto& [family, item] : by_family) {
+    item.family = family;
+    add_costs(costs.at(world_of(family.object)), item);
+    items.push_back(std::move(item));
+  }
+  const auto order = [](const WorkItem& item) {
+    return std::tuple(world_of(item.family.object), item.family.view, item.family.object.material);
+  };
+  std::stable_sort(items.begin(), items.end(),
+                   [&](const WorkItem& a, const WorkItem& b) { return order(a) < order(b); });
+  return items;
+}
+
+double sum_work(const std::vector<WorkItem>& items) {
+  std::set<std::string> paid;
+  double work = 0;
+  for (const WorkItem& item : items) work += add_work(item, paid);
+  return work;
+}
+
+std::vector<std::vector<WorkItem>> split_work(const std::vector<WorkItem>& items, int count) {
+  EQ_CHECK(count >= 1, count);
+  double low = 0, high = sum_work(items);
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = (low + high) / 2;
+    (fill_runs(items, middle).size() <= static_cast<std::size_t>(count) ? high : low) = middle;
+  }
+  std::vector<std::vector<WorkItem>> runs = fill_runs(items, high);
+  EQ_CHECK(runs.size() <= static_cast<std::size_t>(count), runs.size(), count);
+  runs.resize(static_cast<std::size_t>(count));
+  return runs;
+}
+
+Wanted join_work(const std::vector<WorkItem>& items) {
+  Wanted wanted;
+  for (const WorkItem& item : items) {
+    if (item.has_reference) wanted.families.push_back(item.family);
+    wanted.conditions.insert(wanted.conditions.end(), item.conditions.begin(), item.conditions.end());
+  }
+  return wanted;
+}
+
+}  // namespace equilux

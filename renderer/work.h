@@ -1,0 +1,69 @@
+// What is foreseen to be done: in which order, at what cost, and in which shares.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "protocols/study.h"
+#include "renderer/wanted.h"
+#include "renderer/world.h"
+
+namespace equilux {
+
+/// Costs in units of a path, measured on the café: a pair of point and VPL, a point's cut of 100,000 VPLs at
+/// all levels with its part of the measuring of errors, a VPL with its share of the tree.
+inline constexpr double kPairCost = 0.05, kCutCost = 120, kVplCost = 0.57;
+
+/// A point's cut of any number of VPLs.
+double cost_of_cut(std::int64_t vpls);
+
+/// Of a material's VPLs those that are its own: on the object, or after it.
+inline constexpr double kOwnVpls = 0.3;
+
+/// A geometry under an illumination: the objects that share a world.
+struct WorldKey {
+  std::string geometry;
+  Illumination illumination = Illumination::kIndirect;
+  auto operator<=>(const WorldKey&) const = default;
+};
+
+WorldKey world_of(const Object& object);
+
+/// Of one world, from a small picture of what the camera sees. units: paths
+struct WorldCosts {
+  double points = 0;  ///< of the object in a view, all subpixel positions; a number, no cost
+  double object = 0;  ///< a reference's object
+  double room = 0;    ///< the backgrounds of a view
+};
+
+WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world);
+
+/// Of this machine, now: a second of path tracing in the study's first world. units: paths / s
+double measure_speed(const Study& study, const Scene& scene);
+
+/// An object in a view: the least that is rendered together, since cuts need the reference. `shared` is paid
+/// once where several items have it: VPL sets and the backgrounds of a view. units: paths
+struct WorkItem {
+  Family family;
+  bool has_reference = false;  ///< it is to be rendered, not only read
+  std::vector<Condition> conditions;
+  double own = 0;
+  std::map<std::string, double> shared;
+};
+
+/// In the order of work: by world, view and material. shape of `costs`: every world of `wanted`. References
+/// of conditions that `wanted.families` lacks are on disk.
+std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted);
+
+/// What is shared counts once.
+double sum_work(const std::vector<WorkItem>& items);
+
+/// `count` runs of items, some empty where there are fewer, with the least longest one: the same on every
+/// machine of one instruction set.
+std::vector<std::vector<WorkItem>> split_work(const std::vector<WorkItem>& items, int count);
+
+Wanted join_work(const std::vector<WorkItem>& items);
+
+}  // namespace equilux

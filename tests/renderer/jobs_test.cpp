@@ -1,0 +1,179 @@
+// Shares of a set and their gathering: the bytes of one process, whatever is lost on the way.
+#include "renderer/jobs.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/folder_lock.h"
+#include "renderer/set.h"
+#include "renderer/submit.h"
+#include "renderer/timing.h"
+#include "tests/renderer/tiny_study.h"
+#include "tests/support/failures.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+using test::digest_products;
+using testing::HasSubstr;
+
+SetParams params_of(const test::TinyStudy& study, const std::string& out) {
+  SetParams params;
+  params.study_path = study.path();
+  params.folder = study.folder() / out;
+  return params;
+}
+
+SetSummary render_share(const test::TinyStudy& study, const std::string& out, int index, int count) {
+  SetParams params = params_of(study, out);
+  params.job = JobShare{index, count};
+  return make_set(params);
+}
+
+SetSummary gather(const test::TinyStudy& study, const std::string& out) {
+  SetParams params = params_of(study, out);
+  params.render = false;
+  return make_set(params);
+}
+
+std::vector<int> find_unfinished(const test::TinyStudy& study, const std::string& out, int count) {
+  SubmitParams params;
+  params.study_path = study.path();
+  params.folder = study.folder() / out;
+  params.count = count;
+  return equilux::find_unfinished(params);
+}
+
+TEST(Jobs, AreNamedByIndexAndCount) {
+  EXPECT_EQ(format_job_folder(parse_job("3/16")), "3-of-16");
+  for (const char* text : {"", "3", "/", "3/", "/3", "0/3", "4/3", "-1/3", "1/3x", "x1/3", "1/3/5", "1.5/3",
+                           "1/99999999999", "1/10001", " 1/3"})
+    EXPECT_THAT(message_of<InputError>([&] { parse_job(text); }), HasSubstr("--job: expected I/N")) << text;
+}
+
+TEST(Jobs, GatheredAreByteForByteWhatOneProcessMakes) {
+  const test::TinyStudy study;
+  make_set(params_of(study, "whole"));
+  const auto whole = digest_products(study.folder() / "whole");
+  for (const int index : {2, 3, 1}) {
+    const SetSummary share = render_share(study, "shares", index, 3);
+    EXPECT_GT(share.layers_rendered, 0u);
+    EXPECT_EQ(share.pictures_written, 0u);
+  }
+  EXPECT_FALSE(path_exists(study.folder() / "shares/manifest.json"));
+  const SetSummary gathered = gather(study, "shares");
+  EXPECT_EQ(gathered.layers_rendered, 0u);
+  EXPECT_EQ(digest_products(study.folder() / "shares"), whole);
+  EXPECT_FALSE(path_exists(study.folder() / "shares/jobs")) << "what is gathered is not kept twice";
+  EXPECT_EQ(load_timing({study.folder() / "shares"}).as_array().size(), 4u) << "of three shares and the last";
+  EXPECT_EQ(gather(study, "shares").pictures_written, 0u) << "gathering again changes nothing";
+}
+
+TEST(Jobs, ThatWereLostOrDamagedAloneAreDoneAgain) {
+  const test::TinyStudy study;
+  make_set(params_of(study, "whole"));
+  EXPECT_EQ(find_unfinished(study, "shares", 3), (std::vector<int>{1, 2, 3}));
+  render_share(study, "shares", 1, 3);
+  render_share(study, "shares", 3, 3);
+  EXPECT_EQ(find_unfinished(study, "shares", 3), (std::vector<int>{2}));
+  EXPECT_THAT(message_of<InputError>([&] { gather(study, "shares"); }),
+              HasSubstr("expected every share of the set, rendered"));
+  EXPECT_EQ(find_unfinished(study, "shares", 3), (std::vector<int>{2})) << "what was there is gathered";
+  render_share(study, "shares", 2, 3);
+  const fs::path layers = study.folder() / "shares/jobs/2-of-3/layers";
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(layers)) files.push_back(entry.path());
+  const fs::path victim = *std::max_element(files.begin(), files.end());
+  fs::resize_file(victim, fs::file_size(victim) / 2);
+  EXPECT_EQ(find_unfinished(study, "shares", 3), (std::vector<int>{2}));
+  const SetSummary again = render_share(study, "shares", 2, 3);
+  EXPECT_GT(again.layers_rendered, 0u);
+  EXPECT_LT(again.layers_rendered, files.size()) << "what was whole is not redone";
+  EXPECT_EQ(find_unfinished(study, "shares", 3), std::vector<int>());
+  gather(study, "shares");
+  EXPECT_EQ(digest_products(study.folder() / "shares"), digest_products(study.folder() / "whole"));
+}
+
+TEST(Jobs, OfWhatTheSetHasAreEmpty) {
+  const test::TinyStudy study;
+  make_set(params_of(study, "set"));
+  const auto before = digest_products(study.folder() / "set");
+  const SetSummary share = render_share(study, "set", 1, 2);
+  EXPECT_EQ(share.layers_rendered, 0u);
+  EXPECT_GT(share.layers_adopted, 0u);
+  const SetSummary most = render_share(study, "set", 50, 50);
+  EXPECT_EQ(most.layers_rendered + most.layers_adopted, 0u) << "more shares than work";
+  gather(study, "set");
+  EXPECT_EQ(digest_products(study.folder() / "set"), before);
+}
+
+TEST(Jobs, LeaveAShareAloneThatIsBeingRendered) {
+  const test::TinyStudy study;
+  render_share(study, "set", 1, 2);
+  const fs::path folder = study.folder() / "set/jobs/1-of-2";
+  const FolderLock lock(folder);
+  SetParams params = params_of(study, "set");
+  const SetSummary summary = make_set(params);
+  ASSERT_EQ(summary.warnings.size(), 1u);
+  EXPECT_THAT(summary.warnings[0], HasSubstr("still being rendered"));
+  EXPECT_EQ(summary.layers_adopted, 0u);
+  EXPECT_TRUE(path_exists(folder / "layers.json"));
+}
+
+TEST(Jobs, OfAnotherStudyAreRefused) {
+  const test::TinyStudy study, other(study.folder(), 2);
+  render_share(study, "set", 1, 2);
+  EXPECT_THAT(message_of<InputError>([&] { render_share(other, "set", 2, 2); }),
+              HasSubstr("expected the folder of this study"));
+}
+
+TEST(Set, ThatAnotherProcessWritesIsRefused) {
+  const test::TinyStudy study;
+  fs::create_directory(study.folder() / "set");
+  const FolderLock lock(study.folder() / "set");
+  EXPECT_FALSE(lock.is_busy());
+  EXPECT_TRUE(FolderLock(study.folder() / "set").is_busy());
+  EXPECT_THAT(message_of<InputError>([&] { make_set(params_of(study, "set")); }),
+              HasSubstr("expected a folder that no other process writes"));
+  EXPECT_FALSE(path_exists(study.folder() / "set/study.json"));
+}
+
+TEST(Set, TakesOverLayersThatAnotherStudyMadeFromTheSame) {
+  const test::TinyStudy study;
+  make_set(params_of(study, "set"));
+  Json json = study.load().source;
+  json.set("name", "other")
+      .set("blocks", parse_json(R"([{"geometries":["G0"],"materials":["MS","GS","BR"],
+                                   "illuminations":["ind"],"vpl_counts":["100"]}])",
+                                ""));
+  SetParams params;
+  params.study_path = study.folder() / "other.json";
+  json.set("windows", "other-windows.json").set("truth", "other-truth.json");
+  Json windows{Json::Array{}}, truth{Json::Array{}};
+  for (const char* column : {"G0-MS-ind-100", "G0-GS-ind-100", "G0-BR-ind-100"}) {
+    windows.push(Json().set("column", column).set("first", "C2").set("origin", "placeholder"));
+    truth.push(Json().set("column", column).set("artifact_free_from", "C4").set("material_same_to", "C6"));
+  }
+  save_text(params.study_path, format_json(json));
+  Json files = parse_json(load_text(study.folder() / "windows.json"), "");
+  save_text(study.folder() / "other-windows.json", format_json(files.set("windows", windows)));
+  files = parse_json(load_text(study.folder() / "truth.json"), "");
+  save_text(study.folder() / "other-truth.json", format_json(files.set("columns", truth)));
+  params.folder = study.folder() / "alone";
+  const SetSummary alone = make_set(params);
+  params.folder = study.folder() / "with";
+  params.reuse = {study.folder() / "set"};
+  const SetSummary with = make_set(params);
+  EXPECT_EQ(alone.layers_adopted, 0u);
+  EXPECT_EQ(with.layers_rendered + with.layers_adopted, alone.layers_rendered);
+  EXPECT_EQ(with.layers_rendered * 3, alone.layers_rendered) << "only BR is new";
+  EXPECT_EQ(digest_products(study.folder() / "with/pictures"),
+            digest_products(study.folder() / "alone/pictures"));
+  params.reuse = {study.folder() / "none"};
+  EXPECT_THAT(message_of<InputError>([&] { make_set(params); }), HasSubstr("expected a study folder"));
+}
+
+}  // namespace
+}  // namespace equilux

@@ -1,0 +1,95 @@
+// What Slurm is handed: text that a shell reads as it was meant.
+#include "renderer/submit.h"
+
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "tests/support/failures.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+SubmitParams make_params(const fs::path& folder) {
+  SubmitParams params;
+  params.program = "/usr/bin/printf";
+  params.study_path = "it's a study.json";
+  params.folder = folder / "a set";
+  params.count = 12;
+  return params;
+}
+
+TEST(Submit, ListsSharesAsSlurmDoes) {
+  SubmitParams params = make_params("/x");
+  params.options = {"time=2:00:00"};
+  params.isa = "v3";
+  const SlurmJobs jobs = make_slurm_jobs(params, {1, 2, 3, 7, 9, 10});
+  EXPECT_EQ(
+      format_sbatch(jobs),
+      (std::vector<std::string>{"sbatch --parsable --array=1-3,7,9-10 '/x/a set/slurm/array.sh'",
+                                "sbatch --parsable --dependency=afterany:JOB '/x/a set/slurm/gather.sh'"}));
+  EXPECT_THAT(jobs.array_text, HasSubstr("#SBATCH --time=2:00:00\n"));
+  EXPECT_THAT(jobs.array_text, HasSubstr("--isa v3"));
+  EXPECT_THAT(jobs.gather_text, HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"));
+  EXPECT_EQ(format_sbatch(make_slurm_jobs(params, {})),
+            std::vector<std::string>{"sbatch --parsable '/x/a set/slurm/gather.sh'"});
+}
+
+// The script is run with printf in the program's place.
+TEST(Submit, WritesScriptsThatAShellTakesWordByWord) {
+  const TempFolder folder;
+  SubmitParams params = make_params(folder.path());
+  params.program = "/usr/bin/printf";
+  SlurmJobs jobs = make_slurm_jobs(params, {5});
+  const std::string format = "printf' '[%s]'";
+  const auto place = jobs.array_text.find("printf' set");
+  ASSERT_NE(place, std::string::npos);
+  jobs.array_text.replace(place, std::string("printf'").size(), format);
+  save_scripts(jobs);
+  const std::string out = (folder.path() / "out").string();
+  ASSERT_EQ(
+      std::system(("SLURM_ARRAY_TASK_ID=5 sh '" + jobs.array_script.string() + "' >'" + out + "'").c_str()),
+      0);
+  EXPECT_EQ(load_text(out),
+            "[set][it's a study.json][--out][" + params.folder.string() + "][--threads][0][--job][5/12]");
+}
+
+// A command of that name first on the path stands for Slurm's.
+class FakeSlurm {
+ public:
+  explicit FakeSlurm(const std::string& script) : path_(std::getenv("PATH")) {
+    save_text(folder_ / "sbatch", "#!/bin/sh\n" + script);
+    fs::permissions(folder_ / "sbatch", fs::perms::owner_all);
+    ::setenv("PATH", (folder_.path().string() + ":" + path_).c_str(), 1);
+  }
+  ~FakeSlurm() { ::setenv("PATH", path_.c_str(), 1); }
+  std::string log() const { return load_text(folder_ / "log"); }
+  fs::path folder() const { return folder_.path(); }
+
+ private:
+  const TempFolder folder_;
+  const std::string path_;
+};
+
+TEST(Submit, GathersAfterTheArray) {
+  const TempFolder folder;
+  const FakeSlurm slurm("echo \"$@\" >>\"$(dirname \"$0\")/log\"\necho '41;cluster'\n");
+  const SlurmJobs jobs = make_slurm_jobs(make_params(folder.path()), {2, 3});
+  save_scripts(jobs);
+  EXPECT_EQ(submit_slurm(jobs), (std::vector<std::string>{"41", "41"}));
+  EXPECT_EQ(slurm.log(), "--parsable --array=2-3 " + jobs.array_script.string() +
+                             "\n--parsable --dependency=afterany:41 " + jobs.gather_script.string() + "\n");
+}
+
+TEST(Submit, SaysWhatSlurmRefuses) {
+  const TempFolder folder;
+  const FakeSlurm slurm("echo 'no partition' >&2\nexit 1\n");
+  EXPECT_THAT(message_of<InputError>([&] { submit_slurm(make_slurm_jobs(make_params(folder.path()), {1})); }),
+              HasSubstr("expected a job that Slurm takes, got sbatch --parsable --array=1 "));
+}
+
+}  // namespace
+}  // namespace equilux

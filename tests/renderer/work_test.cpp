@@ -1,0 +1,102 @@
+// Shares of work: each thing once, none longer than it must be.
+#include "renderer/work.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+#include "base/random.h"
+
+namespace equilux {
+namespace {
+
+std::map<WorldKey, WorldCosts> make_costs(const Study& study) {
+  std::map<WorldKey, WorldCosts> costs;
+  double size = 1;
+  for (const Object& object : enumerate_objects(study)) {
+    if (costs.contains(world_of(object))) continue;
+    costs[world_of(object)] = {1e4 * size, 3e6 * size, 1e7};
+    size *= 1.3;
+  }
+  return costs;
+}
+
+Study load_paper() { return load_study(std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols/paper.json"); }
+
+TEST(Work, IsSplitSoThatEachPictureFallsToOneShare) {
+  const Study study = load_paper();
+  const Wanted wanted = enumerate_wanted(study, "*");
+  const auto items = list_work(make_costs(study), wanted);
+  for (const int count : {1, 2, 3, 7, 16, 79, 80, 200}) {
+    std::vector<std::string> keys;
+    const auto shares = split_work(items, count);
+    ASSERT_EQ(shares.size(), static_cast<std::size_t>(count));
+    for (const auto& share : shares) {
+      const Wanted part = join_work(share);
+      for (const Family& family : part.families) keys.push_back(format_key(family));
+      for (const Condition& condition : part.conditions) {
+        keys.push_back(format_key(condition));
+        EXPECT_TRUE(std::count(part.families.begin(), part.families.end(), family_of(condition)))
+            << "a cut needs its reference: " << keys.back();
+      }
+    }
+    EXPECT_EQ(keys.size(), wanted.families.size() + wanted.conditions.size());
+    std::sort(keys.begin(), keys.end());
+    EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end()) << count;
+  }
+}
+
+// By trying every way to cut a list in runs.
+double find_least_longest(const std::vector<WorkItem>& items, std::size_t first, int runs) {
+  if (runs == 1) return sum_work({items.begin() + static_cast<std::ptrdiff_t>(first), items.end()});
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t end = first; end <= items.size(); ++end) {
+    const double head = sum_work({items.begin() + static_cast<std::ptrdiff_t>(first),
+                                  items.begin() + static_cast<std::ptrdiff_t>(end)});
+    if (head >= least) break;
+    least = std::min(least, std::max(head, find_least_longest(items, end, runs - 1)));
+  }
+  return least;
+}
+
+// 60 lists of random costs, seed 5; one product in three is shared with the item before.
+TEST(Work, HasAsItsLongestShareTheShortestThatThereIs) {
+  RandomStream random(5, "work-test", 0);
+  for (int list = 0; list < 60; ++list) {
+    std::vector<WorkItem> items;
+    int group = 0;
+    for (int i = 0; i < 9; ++i) {
+      WorkItem item;
+      item.own = random.next_float();
+      if (random.next_float() < 0.33f) ++group;
+      item.shared[std::to_string(group)] = 2 * random.next_float();
+      if (i > 0 && items.back().shared.contains(std::to_string(group))) item.shared = items.back().shared;
+      items.push_back(item);
+    }
+    for (const int runs : {1, 2, 4}) {
+      double longest = 0;
+      for (const auto& share : split_work(items, runs)) longest = std::max(longest, sum_work(share));
+      EXPECT_NEAR(longest, find_least_longest(items, 0, runs), 1e-9) << list << " in " << runs;
+    }
+  }
+}
+
+TEST(Work, CountsWhatIsSharedOnce) {
+  const Study study = load_paper();
+  const auto costs = make_costs(study);
+  const auto cost_of = [&](const std::string& only) {
+    return sum_work(list_work(costs, enumerate_wanted(study, only)));
+  };
+  const double one = cost_of("G0-MS-ind-ref-v0"), other = cost_of("G0-GS-ind-ref-v0"),
+               both = cost_of("G0-[MG]S-ind-ref-v0");
+  EXPECT_DOUBLE_EQ(both, one + other - 1e7) << "the room is traced for both";
+  EXPECT_DOUBLE_EQ(cost_of("G0-MS-ind-ref-v?"), 2 * one) << "views share no room";
+  const Wanted cells = enumerate_wanted(study, "G0-MS-ind-5M-*-v0");
+  const auto items = list_work(costs, {{}, cells.conditions});
+  ASSERT_EQ(items.size(), 1u);
+  EXPECT_FALSE(items[0].has_reference);
+  EXPECT_DOUBLE_EQ(sum_work(items), kVplCost * 5e6 + cost_of_cut(5000000) * 1e4)
+      << "one cut for eleven levels";
+}
+
+}  // namespace
+}  // namespace equilux
