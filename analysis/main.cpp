@@ -11,6 +11,7 @@ struct Options {
   std::string folder;
   std::string kind;
   std::string rule = "paper";
+  bool no_verify = false;
 };
 
 void add_options(CLI::App* command, Options& options) {
@@ -26,6 +27,7 @@ equilux::AnalyzeParams make_params(const Options& options) {
   equilux::AnalyzeParams params;
   params.study_folder = options.folder;
   params.rule = equilux::parse_rule(options.rule, "--rule");
+  params.verify = !options.no_verify;
   if (!options.kind.empty()) params.kind = equilux::parse_kind(options.kind, "--kind");
   return params;
 }
@@ -43,6 +45,8 @@ int main(int argc, char** argv) {
   prune->footer("Example:\n  equilux-analyze prune studies/pocket --rule paper --kind planted");
   CLI::App* report = app.add_subcommand("report", "Write report/ and print whether equivalence exists");
   add_options(report, options);
+  report->add_flag("--no-verify", options.no_verify,
+                   "Report on pictures that are missing, changed or too noisy too, and say so");
   report->footer("Example:\n  equilux-analyze report studies/pocket --kind planted");
   try {
     app.parse(argc, argv);

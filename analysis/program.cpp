@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
+#include "stimuli/verify_pictures.h"
 
 namespace equilux {
 namespace {
@@ -59,11 +60,21 @@ std::string describe_outcome(PruneOutcome outcome, const std::string& path) {
       path);
 }
 
+// What was rendered, which may be less than the study has.
+std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study,
+                                     const std::optional<Manifest>& manifest) {
+  if (!manifest) return {};
+  std::vector<std::string> keys;
+  for (const auto& [key, picture] : manifest->pictures) keys.push_back(key);
+  return verify_pictures(folder, study, *manifest, keys);
+}
+
 }  // namespace
 
-Report load_report(const StudyFolder& folder, std::optional<SubjectKind> kind, Rule rule) {
+Report load_report(const AnalyzeParams& params) {
+  const StudyFolder folder{params.study_folder};
   const Study study = load_folder_study(folder);
-  Evidence evidence = load_evidence(folder, study, kind);
+  Evidence evidence = load_evidence(folder, study, params.kind);
   ReportSources sources;
   sources.selection = load_if_there<Selection>(
       folder.selection(evidence.kind),
@@ -73,7 +84,13 @@ Report load_report(const StudyFolder& folder, std::optional<SubjectKind> kind, R
   sources.manifest = load_if_there<Manifest>(
       folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
   sources.convergences = load_convergences(folder.convergence_folder());
-  return make_report(study, std::move(evidence), rule, std::move(sources));
+  const std::vector<Finding> findings = verify_manifest(folder, study, sources.manifest);
+  if (params.verify) refuse_findings(findings, folder);
+  Report report = make_report(study, std::move(evidence), params.rule, std::move(sources));
+  if (!findings.empty())
+    report.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
+                                          format_finding(findings.front())));
+  return report;
 }
 
 int run_prune(const AnalyzeParams& params) {
@@ -95,7 +112,7 @@ int run_prune(const AnalyzeParams& params) {
 
 int run_report(const AnalyzeParams& params) {
   const StudyFolder folder{params.study_folder};
-  const Report report = load_report(folder, params.kind, params.rule);
+  const Report report = load_report(params);
   const auto page = write_report(report, folder.report_folder());
   fmt::print("{}{}", describe_sessions(report.evidence.artifact, Experiment::kArtifact),
              describe_sessions(report.evidence.material, Experiment::kMaterial));

@@ -14,6 +14,7 @@
 #include "protocols/windows.h"
 #include "stimuli/manifest.h"
 #include "stimuli/selection.h"
+#include "stimuli/verify_pictures.h"
 
 namespace equilux {
 namespace {
@@ -27,16 +28,6 @@ Manifest load_checked_manifest(const StudyFolder& folder, const Study& study) {
                      fmt::format("{}, of {}", study.digest, folder.study().string()), manifest.study_digest);
   }
   return manifest;
-}
-
-void check_files_exist(const StudyFolder& folder, const Manifest& manifest,
-                       const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) {
-    const fs::path file = folder.root / manifest.pictures.at(key).file;
-    if (!fs::is_regular_file(file)) {
-      throw InputError(file.string(), "", fmt::format("the picture {} of the manifest", key), "no file");
-    }
-  }
 }
 
 std::string prune_command(const StudyFolder& folder, SubjectKind kind) {
@@ -155,7 +146,7 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
   }
   const auto keys = enumerate_showable(inputs.study, request.experiment, inputs.cells);
   inputs.digests.manifest = digest_pictures(manifest, keys, folder.manifest().string());
-  check_files_exist(folder, manifest, keys);
+  refuse_findings(verify_pictures(folder, inputs.study, manifest, keys), folder);
   return inputs;
 }
 

@@ -25,6 +25,7 @@ void add_converge(CLI::App& app, CommandLine& line);
 void add_plan(CLI::App& app, CommandLine& line);
 void add_gather(CLI::App& app, CommandLine& line);
 void add_submit(CLI::App& app, CommandLine& line);
+void add_verify(CLI::App& app, CommandLine& line);
 void add_explain(CLI::App& app, CommandLine& line);
 
 /// The options --threads and --isa of a subcommand.

@@ -29,7 +29,8 @@ void copy_layer(const fs::path& source, const fs::path& target) {
 
 }  // namespace
 
-LayerStore::LayerStore(StudyFolder folder, const Study& study) : folder_(std::move(folder)) {
+LayerStore::LayerStore(StudyFolder folder, const Study& study)
+    : folder_(std::move(folder)), width_(study.width), height_(study.height) {
   if (path_exists(folder_.layers())) layers_ = load_layers(folder_.layers());
   layers_.study_name = study.name;
   layers_.study_digest = study.digest;
@@ -101,6 +102,9 @@ HdrImage LayerStore::load(const std::string& name) const {
     throw InputError(path.string(), "",
                      fmt::format("the file recorded in layers.json, digest {}", layer.digest), digest);
   }
+  if (image.width != width_ || image.height != height_)
+    throw InputError(path.string(), "", fmt::format("{} x {} pixels, as the study has", width_, height_),
+                     fmt::format("{} x {}", image.width, image.height));
   return image;
 }
 

@@ -43,12 +43,13 @@ class LayerStore {
   /// Writes layers.json. Called after each group of layers and at the end.
   void save_record() const { save_layers(layers_, folder_.layers()); }
 
-  /// errors: InputError if it is not there, or its bytes are not those recorded.
+  /// errors: InputError if it is not there, its bytes are not those recorded, or its size not the study's
   HdrImage load(const std::string& name) const;
   const LayerRecord& record(const std::string& name) const;
 
  private:
   StudyFolder folder_;
+  int width_, height_;
   Layers layers_;
   std::set<std::string> whole_;  // whose files were read
 };

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   add_plan(app, line);
   add_gather(app, line);
   add_submit(app, line);
+  add_verify(app, line);
   add_image(app, line);
   add_tonemap(app, line);
   add_prove(app, line);

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <set>
 
-#include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/folder_lock.h"
 #include "base/progress.h"
+#include "renderer/compose.h"
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
@@ -66,53 +66,6 @@ void check_unchanged(const StudyFolder& folder, const std::map<std::string, std:
   for (const auto& [name, recipe] : recipes) {
     if (store.is_other(name, recipe)) refuse_change(folder, fmt::format("another {}", name));
   }
-}
-
-// The layers of a family, loaded once for all its pictures.
-struct LoadedFamily {
-  HdrImage background, coverage, direct, indirect, standard_error, base;
-  ToneRecord tone;
-  DisplayNoise noise;
-  std::string digests;
-};
-
-LoadedFamily load_family(const Study& study, const LayerStore& store, const Family& family) {
-  const auto load = [&](const char* content) { return store.load(layer_name(family, content)); };
-  LoadedFamily loaded{load("background"),
-                      load("coverage"),
-                      load("direct"),
-                      load("indirect"),
-                      load("standard_error"),
-                      {},
-                      {},
-                      {},
-                      {}};
-  loaded.base = composite({&loaded.background, &loaded.direct});
-  const HdrImage reference = composite({&loaded.base, &loaded.indirect});
-  loaded.tone = make_tone_curve(reference, loaded.coverage, study.exposure, study.tone_key);
-  loaded.noise = measure_display_noise(reference, loaded.standard_error, loaded.coverage, loaded.tone);
-  for (const char* content : kFamilyContents)
-    loaded.digests += store.record(layer_name(family, content)).digest + " ";
-  const ToneRecord& tone = loaded.tone;
-  loaded.digests +=
-      fmt::format("{} {} {} {} {}", tone.log_average, tone.white, tone.delta, tone.key, tone.exposure);
-  return loaded;
-}
-
-HdrImage load_vpl_layer(const LayerStore& store, Condition condition) {
-  HdrImage layer = store.load(vpl_layer_name(condition));
-  if (!condition.cell.normalised) return layer;
-  condition.cell.clamp_level = 0;
-  return normalise_luminance(layer, store.load(vpl_layer_name(condition)));
-}
-
-std::string vpl_digests(const LayerStore& store, Condition condition) {
-  std::string digests = store.record(vpl_layer_name(condition)).digest;
-  if (condition.cell.normalised) {
-    condition.cell.clamp_level = 0;
-    digests += " normalised to " + store.record(vpl_layer_name(condition)).digest;
-  }
-  return digests;
 }
 
 Json make_json(const DisplayNoise& noise) {
@@ -208,16 +161,15 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
     ++summary.pictures;
     if (pictures.is_whole(picture_key, made_from)) return;
     const HdrImage indirect = make_indirect();
-    pictures.save(picture_key, made_from,
-                  apply_tone_curve(composite({&loaded.base, &indirect}), loaded.tone));
+    pictures.save(picture_key, made_from, compose_picture(loaded, indirect));
     ++summary.pictures_written;
   };
-  write(key, digest_text(loaded.digests), [&] { return loaded.indirect; });
+  write(key, digest_reference(loaded), [&] { return loaded.indirect; });
   const Json& reference = store.record(layer_name(family, "indirect")).reference;
   pictures.set_error(key, make_json(loaded.noise), reference);
   warn_of_check(reference, key, summary);
   for (const Condition& condition : conditions) {
-    write(format_key(condition), digest_text(loaded.digests + " " + vpl_digests(store, condition)),
+    write(format_key(condition), digest_picture(loaded, store, condition),
           [&] { return load_vpl_layer(store, condition); });
     pictures.set_vpls(format_key(condition), tell_vpls(store, vpl_layer_name(condition)));
   }

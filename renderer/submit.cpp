@@ -28,7 +28,7 @@ std::string make_head(const SubmitParams& params, const char* name) {
 }
 
 std::string make_call(const SubmitParams& params, const char* verb) {
-  std::string call = fmt::format("exec {} {} {} --out {}", quote(params.program.string()), verb,
+  std::string call = fmt::format("{} {} {} --out {}", quote(params.program.string()), verb,
                                  quote(params.study_path.string()), quote(params.folder.string()));
   if (!params.isa.empty()) call += " --isa " + params.isa;
   return call;
@@ -100,7 +100,9 @@ SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices) 
       make_head(params, "equilux") + make_call(params, "set") +
       fmt::format(" --threads \"${{SLURM_CPUS_PER_TASK:-0}}\" --job \"$SLURM_ARRAY_TASK_ID/{}\"\n",
                   params.count);
-  jobs.gather_text = make_head(params, "equilux-gather") + make_call(params, "gather") + "\n";
+  jobs.gather_text =
+      make_head(params, "equilux-gather") + make_call(params, "gather") +
+      fmt::format("\n{} verify {}\n", quote(params.program.string()), quote(params.folder.string()));
   return jobs;
 }
 

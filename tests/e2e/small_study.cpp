@@ -68,7 +68,13 @@ void save_small_manifest(const StudyFolder& folder, const Study& study) {
   for (const Condition& condition : enumerate_conditions(study)) {
     add_picture(manifest, folder, format_key(condition));
   }
-  for (const Family& family : enumerate_references(study)) add_picture(manifest, folder, format_key(family));
+  for (const Family& family : enumerate_references(study)) {
+    const std::string key = format_key(family);
+    add_picture(manifest, folder, key);
+    manifest.pictures[key].standard_error =
+        Json().set("object_mean", 0.1).set("object_p99", 0.2).set("outside_mean", 0.1);
+    manifest.tones[key] = {0.1, 1.0, 1e-7, study.tone_key, "background"};
+  }
   save_manifest(manifest, folder.manifest());
 }
 

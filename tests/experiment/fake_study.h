@@ -74,7 +74,7 @@ inline StudyFolder make_fake_study(const std::filesystem::path& root, const std:
   namespace fs = std::filesystem;
   const StudyFolder folder{root};
   make_folder(folder.picture_folder());
-  fs::copy_file(protocol_path(protocol), folder.study());
+  save_text(folder.study(), format_json(load_study(protocol_path(protocol)).source));
   fs::copy_file(protocol_path(protocol).replace_extension() / "windows.json", folder.windows());
   fs::copy_file(protocol_path(protocol).replace_extension() / "truth.json", folder.truth());
   const Study study = load_folder_study(folder);
@@ -86,6 +86,8 @@ inline StudyFolder make_fake_study(const std::filesystem::path& root, const std:
   for (const Family& family : enumerate_references(study)) {
     const std::string key = format_key(family);
     manifest.pictures[key] = save_fake_picture(folder, key, width, height);
+    manifest.pictures[key].standard_error =
+        Json().set("object_mean", 0.5).set("object_p99", 1.5).set("outside_mean", 0.5);
     manifest.tones[key] = {0.1, 1.0, 1e-7, study.tone_key, "background"};
   }
   save_manifest(manifest, folder.manifest());

@@ -156,6 +156,36 @@ TEST_F(OpenSessionTest, RefusesAMissingPictureFile) {
   expect_refused(AllOf(HasSubstr("G0-MS-ind-ref-v0.png"), HasSubstr("no file")));
 }
 
+TEST_F(OpenSessionTest, RefusesAPictureFileThatWasChanged) {
+  save_png(make_fake_picture("another", 4, 3), folder_.picture_folder() / "G0-MS-ind-1k-C7-v0.png");
+  expect_refused(AllOf(HasSubstr("expected pictures that verify, got G0-MS-ind-1k-C7-v0: "),
+                       HasSubstr("is not the file that was recorded")));
+}
+
+TEST_F(OpenSessionTest, RefusesAPictureOfAnotherSize) {
+  Manifest manifest = load_manifest(folder_.manifest());
+  const std::string key = "G0-MS-ind-1k-C7-v0";
+  save_png(make_fake_picture(key, 5, 3), folder_.root / manifest.pictures[key].file);
+  manifest.pictures[key].digest = digest_file(folder_.root / manifest.pictures[key].file);
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(HasSubstr("5 x 3 pixels, where the manifest has 4 x 3"));
+}
+
+TEST_F(OpenSessionTest, RefusesAReferenceThatMissesTheTarget) {
+  Manifest manifest = load_manifest(folder_.manifest());
+  manifest.pictures["G0-MS-ind-ref-v1"].standard_error.set("object_p99", 8.25);
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(
+      HasSubstr("G0-MS-ind-ref-v1: standard error object_p99 of 8.25 steps, over the study's 8.00"));
+}
+
+TEST_F(OpenSessionTest, RefusesPicturesWithoutAToneCurve) {
+  Manifest manifest = load_manifest(folder_.manifest());
+  manifest.tones.erase("G0-MS-ind-ref-v0");
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(HasSubstr("no tone curve of G0-MS-ind-ref-v0; and "));
+}
+
 TEST_F(OpenSessionTest, DoesNotMissPicturesThatItNeverShows) {
   fs::remove(folder_.picture_folder() / "G0-MS-ind-1k-C0-v0.png");
   EXPECT_NO_THROW(open("P1"));
@@ -171,7 +201,10 @@ TEST_F(OpenSessionTest, RefusesToGoOnOrRepeatWithOtherWindows) {
 TEST_F(OpenSessionTest, RefusesToGoOnOrRepeatWithAnotherPicture) {
   finish(open("P1"));
   Manifest manifest = load_manifest(folder_.manifest());
-  manifest.pictures["G0-MS-ind-1k-C7-v0"].digest = digest_text("another");
+  const std::string key = "G0-MS-ind-1k-C7-v0";
+  save_png(make_fake_picture("another", manifest.width, manifest.height),
+           folder_.root / manifest.pictures[key].file);
+  manifest.pictures[key].digest = digest_file(folder_.root / manifest.pictures[key].file);
   save_manifest(manifest, folder_.manifest());
   expect_refused(HasSubstr("pictures: expected"), "P2");
 }

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 struct Subcommand {
@@ -24,6 +25,7 @@ struct Subcommand {
 
 const std::vector<Subcommand> kSubcommands = {
     {"render", "set"},     {"render", "image"},     {"render", "tonemap"},     {"render", "converge"},
+    {"render", "plan"},    {"render", "gather"},    {"render", "submit"},      {"render", "verify"},
     {"render", "explain"}, {"render", "describe"},  {"render", "prove"},       {"render", "sheet"},
     {"render", "export"},  {"session", "simulate"}, {"session", "run", false}, {"session", "status"},
     {"analyze", "prune"},  {"analyze", "report"}};
@@ -53,6 +55,7 @@ void expect_input_error(const std::string& program, const Words& words, const st
 /// Words of the subcommands that take a study folder, without or with what else they need.
 std::vector<std::pair<std::string, Words>> folder_commands(const std::string& folder) {
   return {{"render", {"tonemap", folder}},
+          {"render", {"verify", folder}},
           {"session", {"simulate", folder, "--experiment", "artifact"}},
           {"session", {"status", folder}},
           {"analyze", {"prune", folder}},
@@ -285,6 +288,21 @@ TEST_F(ProgramInput, NamesTheScreenThatIsMissing) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, AllOf(StartsWith("equilux-session: "), HasSubstr(missing)));
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST(Report, OfPicturesThatDoNotVerifyIsRefusedUnlessItMaySaySo) {
+  const TemporaryFolder temporary;
+  const StudyFolder folder = make_fake_study(temporary.path());
+  const std::string root = folder.root.string();
+  run_well("session", {"simulate", root, "--experiment", "artifact", "--subjects", "2", "--seed", "1"});
+  run_well("analyze", {"prune", root, "--kind", "planted"});
+  EXPECT_THAT(run_well("analyze", {"report", root}), Not(HasSubstr("do not verify")));
+  save_png(make_fake_picture("another", 4, 3), folder.picture_folder() / "G0-MS-ind-1k-C7-v0.png");
+  expect_input_error("analyze", {"report", root}, "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
+  expect_input_error("session", {"simulate", root, "--experiment", "artifact", "--seed", "2"},
+                     "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
+  EXPECT_THAT(run_well("analyze", {"report", root, "--no-verify"}),
+              HasSubstr("warning: Of the pictures 1 do not verify, the first G0-MS-ind-1k-C7-v0"));
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+// Is a set whole, consistent and good enough? Nothing is believed that can be computed again.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "stimuli/verify_pictures.h"
+
+namespace equilux {
+
+struct Verification {
+  std::size_t pictures = 0, layers = 0;  ///< that the study has
+  std::vector<Finding> findings;         ///< in the order of references
+};
+
+/// Every picture by verify_pictures, and against its layers: that these are there, finite, of the study's
+/// size and of their digests, dark outside their place, no brighter under a harder clamp; that the tone curve
+/// is the reference's, the standard error what the layers say, each picture what its layers give, and its
+/// background that of its reference. With a study file also that each layer was made from today's study and
+/// scene. errors: InputError where `folder` is no study folder, or the study file is another's
+Verification verify_set(const std::filesystem::path& folder,
+                        const std::optional<std::filesystem::path>& study_path);
+
+}  // namespace equilux

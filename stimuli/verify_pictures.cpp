@@ -1,0 +1,96 @@
+// Records against files.
+#include "stimuli/verify_pictures.h"
+
+#include <array>
+#include <fstream>
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "base/files.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+// Width and height as a PNG file says them first; 0 where it is none.
+std::pair<std::uint32_t, std::uint32_t> load_png_size(const fs::path& path) {
+  std::array<unsigned char, 24> head{};
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(head.data()), head.size())) return {0, 0};
+  const auto number = [&](std::size_t at) {
+    return std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
+           std::uint32_t{head[at + 2]} << 8 | head[at + 3];
+  };
+  return {number(16), number(20)};
+}
+
+std::string family_key(const std::string& key) {
+  const bool is_reference = key.find("-ref-") != std::string::npos;
+  return is_reference ? key : format_key(family_of(parse_condition(key, "manifest")));
+}
+
+std::string find_error_beyond(const PictureRecord& record, const NoiseTarget& target) {
+  for (const auto& [member, most] : {std::pair{"object_mean", target.object_mean},
+                                     {"object_p99", target.object_p99},
+                                     {"outside_mean", target.outside_mean}}) {
+    const Json* error = record.standard_error.find(member);
+    if (!error) return "no standard error";
+    if (!(error->as_double() <= most))
+      return fmt::format("standard error {} of {:.2f} steps, over the study's {:.2f}", member,
+                         error->as_double(), most);
+  }
+  return "";
+}
+
+std::string find_fault(const StudyFolder& folder, const Study& study, const Manifest& manifest,
+                       const std::string& key) {
+  const auto found = manifest.pictures.find(key);
+  if (found == manifest.pictures.end()) return "no picture; `equilux-render set` makes what is missing";
+  const fs::path file = folder.root / found->second.file;
+  if (!is_file(file)) return "no file " + file.string();
+  if (digest_file(file) != found->second.digest) return file.string() + " is not the file that was recorded";
+  const auto [width, height] = load_png_size(file);
+  if (width != static_cast<std::uint32_t>(manifest.width) ||
+      height != static_cast<std::uint32_t>(manifest.height))
+    return fmt::format("{} x {} pixels, where the manifest has {} x {}", width, height, manifest.width,
+                       manifest.height);
+  if (!manifest.tones.contains(family_key(key))) return "no tone curve of " + family_key(key);
+  if (key == family_key(key) && !study.paths) return find_error_beyond(found->second, study.noise_target);
+  return "";
+}
+
+}  // namespace
+
+std::string format_finding(const Finding& finding) { return finding.what + ": " + finding.wrong; }
+
+std::vector<std::string> enumerate_pictures(const Study& study) {
+  std::vector<std::string> keys;
+  for (const Family& family : enumerate_references(study)) keys.push_back(format_key(family));
+  for (const Condition& condition : enumerate_conditions(study)) keys.push_back(format_key(condition));
+  return keys;
+}
+
+std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& study, const Manifest& manifest,
+                                     const std::vector<std::string>& keys) {
+  const auto check = [&](bool good, std::string wrong) {
+    return good ? std::vector<Finding>()
+                : std::vector<Finding>{{folder.manifest().string(), std::move(wrong)}};
+  };
+  auto findings = check(manifest.study_digest == study.digest, "of another study than study.json");
+  if (!findings.empty()) return findings;
+  for (const std::string& key : keys) {
+    std::string wrong = find_fault(folder, study, manifest, key);
+    if (!wrong.empty()) findings.push_back({key, std::move(wrong)});
+  }
+  return findings;
+}
+
+void refuse_findings(const std::vector<Finding>& findings, const StudyFolder& folder) {
+  if (findings.empty()) return;
+  const std::string more =
+      findings.size() > 1 ? fmt::format("; and {} more: see `equilux-render verify`", findings.size() - 1)
+                          : "";
+  throw InputError(folder.root.string(), "", "pictures that verify", format_finding(findings.front()) + more);
+}
+
+}  // namespace equilux

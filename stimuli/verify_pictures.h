@@ -1,0 +1,34 @@
+// Is what may be shown what was made, and good enough? Asked before a subject sees it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stimuli/manifest.h"
+#include "stimuli/study_folder.h"
+
+namespace equilux {
+
+/// Something that is not as it must be, of a picture, a layer or a file.
+struct Finding {
+  std::string what;  ///< key of a picture, name of a layer or of a file
+  std::string wrong;
+  bool operator==(const Finding&) const = default;
+};
+
+/// "G0-MS-ind-ref-v0: no picture".
+std::string format_finding(const Finding& finding);
+
+/// Keys of every picture that a study has: conditions and references.
+std::vector<std::string> enumerate_pictures(const Study& study);
+
+/// Checks these pictures: recorded; the file there, of its digest and size; a tone curve of its family; a
+/// reference's standard error within the study's target, where it has one. A picture of another study is
+/// the manifest's finding. Reads every file. errors: InputError for a key that is none
+std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& study, const Manifest& manifest,
+                                     const std::vector<std::string>& keys);
+
+/// errors: InputError that tells the first and how many there are
+void refuse_findings(const std::vector<Finding>& findings, const StudyFolder& folder);
+
+}  // namespace equilux

@@ -1,0 +1,179 @@
+// A set that was tampered with in one place each: the finding names it.
+#include "renderer/verify.h"
+
+#include <gtest/gtest.h>
+#include <memory>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "renderer/set.h"
+#include "stimuli/exr_file.h"
+#include "stimuli/layers.h"
+#include "stimuli/png_file.h"
+#include "tests/renderer/tiny_study.h"
+#include "tests/support/failures.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class Verify : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    master_ = std::make_unique<test::TinyStudy>();
+    SetParams params;
+    params.study_path = master_->path();
+    params.folder = master_->folder() / "set";
+    make_set(params);
+  }
+  static void TearDownTestSuite() { master_.reset(); }
+
+  Verify() : study_(own_.path(), 1), folder_{study_.folder() / "set"} {
+    fs::copy(master_->folder() / "set", folder_.root, fs::copy_options::recursive);
+  }
+
+  std::vector<std::string> find(const std::optional<fs::path>& study = {}) const {
+    std::vector<std::string> lines;
+    for (const Finding& finding : verify_set(folder_.root, study).findings)
+      lines.push_back(format_finding(finding));
+    return lines;
+  }
+
+  // The only thing that is found.
+  void expect_only(const std::string& what) const {
+    const auto lines = find();
+    ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);
+    EXPECT_THAT(lines[0], HasSubstr(what));
+  }
+
+  template <typename Change>
+  void change_manifest(const Change& change) const {
+    Manifest manifest = load_manifest(folder_.manifest());
+    change(manifest);
+    save_manifest(manifest, folder_.manifest());
+  }
+
+  // A layer and its record.
+  template <typename Change>
+  void change_layer(const std::string& name, const Change& change) const {
+    const fs::path path = folder_.root / "layers" / (name + ".exr");
+    ExrFile file = load_exr(path);
+    change(file.image);
+    save_exr(file.image, file.metadata, path);
+    Layers layers = load_layers(folder_.layers());
+    layers.by_name.at(name).digest = digest_file(path);
+    save_layers(layers, folder_.layers());
+  }
+
+  static std::unique_ptr<test::TinyStudy> master_;  // rendered once
+  const TempFolder own_;
+  const test::TinyStudy study_;
+  const StudyFolder folder_;
+};
+std::unique_ptr<test::TinyStudy> Verify::master_;
+
+TEST_F(Verify, FindsNothingInASetAsItWasMade) {
+  const Verification whole = verify_set(folder_.root, study_.path());
+  EXPECT_EQ(whole.findings, std::vector<Finding>());
+  EXPECT_EQ(whole.pictures, 8u + 88u);
+  EXPECT_EQ(whole.layers, 8u * 5 + 88);
+  EXPECT_EQ(find(), std::vector<std::string>()) << "and changes nothing";
+}
+
+TEST_F(Verify, FindsAPictureOrLayerThatIsNotThere) {
+  fs::remove(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png");
+  auto lines = find();
+  ASSERT_EQ(lines.size(), 2u) << testing::PrintToString(lines);
+  EXPECT_THAT(lines[0], HasSubstr("G0-MS-ind-100-C4-v0: no file"));
+  change_manifest([](Manifest& manifest) { manifest.pictures.erase("G0-MS-ind-100-C4-v0"); });
+  expect_only("G0-MS-ind-100-C4-v0: no picture");
+  fs::remove(folder_.root / "layers/G0-GS-dir-100-C0-v1.exr");
+  lines = find();
+  ASSERT_EQ(lines.size(), 2u) << testing::PrintToString(lines);
+  EXPECT_THAT(lines[1], HasSubstr("G0-GS-dir-100-C0-v1"));
+  fs::remove(folder_.layers());
+  EXPECT_EQ(find().size(), 1u + 8u) << "one for each family, not one for each picture";
+  fs::remove(folder_.manifest());
+  EXPECT_THAT(find()[0], HasSubstr("no pictures were made"));
+}
+
+TEST_F(Verify, FindsAByteThatWasChanged) {
+  const fs::path path = folder_.root / "layers/G0-MS-ind-ref-v0.indirect.exr";
+  std::string bytes = load_text(path);
+  bytes[bytes.size() - 3] ^= 1;
+  save_text(path, bytes);
+  expect_only("G0-MS-ind-ref-v0: ");
+}
+
+TEST_F(Verify, FindsAPictureWithOtherPixelsThanItsLayers) {
+  const std::string key = "G0-MS-ind-100-C4-v1";
+  const fs::path path = folder_.root / "pictures" / (key + ".png");
+  LdrImage picture = load_png(path);
+  picture.values[0] ^= 1;  // wall
+  save_png(picture, path);
+  change_manifest([&](Manifest& manifest) { manifest.pictures.at(key).digest = digest_file(path); });
+  const auto lines = find();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_THAT(lines[0], HasSubstr(key + ": the picture is not that of its layers"));
+  EXPECT_THAT(lines[1], HasSubstr(key + ": its background is not that of its reference"));
+}
+
+TEST_F(Verify, FindsLightOutsideItsPlaceAndBelowNothing) {
+  change_layer("G0-MS-ind-100-C4-v1", [](HdrImage& layer) { layer.values[0] = 0.5f; });
+  auto lines = find();
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_THAT(lines[0], HasSubstr("G0-MS-ind-100-C4-v1: light outside its place, at pixel 0"));
+  change_layer("G0-MS-ind-100-C4-v1", [](HdrImage& layer) { layer.values[0] = -0.5f; });
+  EXPECT_THAT(find()[0], HasSubstr("negative at pixel 0"));
+}
+
+TEST_F(Verify, FindsALevelBrighterThanAWeakerClamp) {
+  change_layer("G0-GS-ind-100-C5-v0", [](HdrImage& layer) {
+    for (float& value : layer.values) value *= 3;
+  });
+  const auto lines = find();
+  ASSERT_EQ(lines.size(), 2u) << testing::PrintToString(lines);
+  EXPECT_THAT(lines[0], HasSubstr("the picture is not that of its layers"));
+  EXPECT_THAT(lines[1], HasSubstr("G0-GS-ind-100-C5-v0: brighter than under a weaker clamp"));
+}
+
+TEST_F(Verify, FindsAToneCurveOrAnErrorThatLayersDoNotGive) {
+  change_manifest([](Manifest& manifest) { manifest.tones.at("G0-MS-ind-ref-v0").white *= 1.001; });
+  expect_only("G0-MS-ind-ref-v0: its tone curve in the manifest is not that of its layers");
+  change_manifest([](Manifest& manifest) {
+    manifest.tones.at("G0-MS-ind-ref-v0").white /= 1.001;
+    manifest.pictures.at("G0-GS-dir-ref-v1").standard_error.set("object_mean", 0.125);
+  });
+  expect_only("G0-GS-dir-ref-v1: its object_mean in the manifest is 0.125");
+}
+
+TEST_F(Verify, FindsPicturesOfAnotherStudyAndLayersOfAnotherScene) {
+  Layers layers = load_layers(folder_.layers());
+  layers.by_name.at("G0-MS-ind-100-C3-v0").made_from = digest_text("another");
+  save_layers(layers, folder_.layers());
+  EXPECT_EQ(find(), std::vector<std::string>()) << "by the folder alone it cannot be told";
+  const auto lines = find(study_.path());
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_THAT(lines[0], HasSubstr("G0-MS-ind-100-C3-v0: made from another study, scene or estimator"));
+  const test::TinyStudy other(study_.folder(), 7);
+  EXPECT_THAT(message_of<InputError>([&] { find(other.path()); }),
+              HasSubstr("expected the study of the folder"));
+  change_manifest([](Manifest& manifest) { manifest.study_digest = digest_text("another"); });
+  expect_only("of another study than study.json");
+}
+
+TEST_F(Verify, FindsSharesThatAreNotGathered) {
+  fs::create_directories(folder_.job("1-of-2"));
+  expect_only("shares that are not gathered");
+}
+
+TEST(VerifyFolder, ThatIsNoStudyFolderIsRefused) {
+  const TempFolder folder;
+  EXPECT_THAT(message_of<InputError>([&] { verify_set(folder.path(), {}); }),
+              HasSubstr("expected a study folder"));
+}
+
+}  // namespace
+}  // namespace equilux
