@@ -60,6 +60,7 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
   metadata["equilux_seed"] = fmt::format("{}", layers_.seed);
   metadata["equilux_made_from"] = recipe;
   metadata["equilux_unit"] = "W/(m^2 sr)";
+  metadata["equilux_version"] = kVersion;
   save_exr(image, metadata, folder_.root / file);
   layers_.by_name[name] = {file,
                            digest_file(folder_.root / file),

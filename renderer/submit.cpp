@@ -48,13 +48,16 @@ std::string format_indices(const std::vector<int>& indices) {
 }
 
 std::string format_array_call(const SlurmJobs& jobs) {
-  return fmt::format("sbatch --parsable --array={} {}", format_indices(jobs.indices),
+  return fmt::format("sbatch --parsable --array={} --output={} {}", format_indices(jobs.indices),
+                     quote((jobs.array_script.parent_path() / "%A-%a.log").string()),
                      quote(jobs.array_script.string()));
 }
 
 std::string format_gather_call(const SlurmJobs& jobs, const std::string& after) {
   const std::string dependency = after.empty() ? "" : " --dependency=afterany:" + after;
-  return fmt::format("sbatch --parsable{} {}", dependency, quote(jobs.gather_script.string()));
+  return fmt::format("sbatch --parsable{} --output={} {}", dependency,
+                     quote((jobs.gather_script.parent_path() / "%j.log").string()),
+                     quote(jobs.gather_script.string()));
 }
 
 // The first line that a command prints, without the cluster's name.

@@ -27,16 +27,18 @@ TEST(Submit, ListsSharesAsSlurmDoes) {
   params.options = {"time=2:00:00"};
   params.isa = "v3";
   const SlurmJobs jobs = make_slurm_jobs(params, {1, 2, 3, 7, 9, 10});
-  EXPECT_EQ(
-      format_sbatch(jobs),
-      (std::vector<std::string>{"sbatch --parsable --array=1-3,7,9-10 '/x/a set/slurm/array.sh'",
-                                "sbatch --parsable --dependency=afterany:JOB '/x/a set/slurm/gather.sh'"}));
+  EXPECT_EQ(format_sbatch(jobs),
+            (std::vector<std::string>{"sbatch --parsable --array=1-3,7,9-10 --output='/x/a "
+                                      "set/slurm/%A-%a.log' '/x/a set/slurm/array.sh'",
+                                      "sbatch --parsable --dependency=afterany:JOB --output='/x/a "
+                                      "set/slurm/%j.log' '/x/a set/slurm/gather.sh'"}));
   EXPECT_THAT(jobs.array_text, HasSubstr("#SBATCH --time=2:00:00\n"));
   EXPECT_THAT(jobs.array_text, HasSubstr("--isa v3"));
   EXPECT_THAT(jobs.gather_text, HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
                                           "'/usr/bin/printf' verify '/x/a set'\n"));
   EXPECT_EQ(format_sbatch(make_slurm_jobs(params, {})),
-            std::vector<std::string>{"sbatch --parsable '/x/a set/slurm/gather.sh'"});
+            std::vector<std::string>{
+                "sbatch --parsable --output='/x/a set/slurm/%j.log' '/x/a set/slurm/gather.sh'"});
 }
 
 // The script is run with printf in the program's place.
@@ -81,8 +83,10 @@ TEST(Submit, GathersAfterTheArray) {
   const SlurmJobs jobs = make_slurm_jobs(make_params(folder.path()), {2, 3});
   save_scripts(jobs);
   EXPECT_EQ(submit_slurm(jobs), (std::vector<std::string>{"41", "41"}));
-  EXPECT_EQ(slurm.log(), "--parsable --array=2-3 " + jobs.array_script.string() +
-                             "\n--parsable --dependency=afterany:41 " + jobs.gather_script.string() + "\n");
+  const std::string folder_name = jobs.array_script.parent_path().string();
+  EXPECT_EQ(slurm.log(), "--parsable --array=2-3 --output=" + folder_name + "/%A-%a.log " +
+                             jobs.array_script.string() + "\n--parsable --dependency=afterany:41 --output=" +
+                             folder_name + "/%j.log " + jobs.gather_script.string() + "\n");
 }
 
 TEST(Submit, SaysWhatSlurmRefuses) {
