@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -10,6 +11,7 @@
 #include "renderer/set.h"
 #include "renderer/submit.h"
 #include "renderer/timing.h"
+#include "stimuli/exr_file.h"
 #include "tests/renderer/tiny_study.h"
 #include "tests/support/failures.h"
 
@@ -17,6 +19,7 @@ namespace equilux {
 namespace {
 namespace fs = std::filesystem;
 using test::digest_products;
+using testing::AllOf;
 using testing::HasSubstr;
 
 SetParams params_of(const test::TinyStudy& study, const std::string& out) {
@@ -138,6 +141,52 @@ TEST(Set, ThatAnotherProcessWritesIsRefused) {
   EXPECT_THAT(message_of<InputError>([&] { make_set(params_of(study, "set")); }),
               HasSubstr("expected a folder that no other process writes"));
   EXPECT_FALSE(path_exists(study.folder() / "set/study.json"));
+}
+
+// Full at 300 bytes (the first text), 2,500 (the first layer) and 20,000 (layers.json, after a family): at
+// each place the error names a file, no half file stands under its name, and the set is completed later.
+TEST(Set, OnAFullDiskSaysSoAndIsCompletedLater) {
+  const test::TinyStudy study;
+  make_set(params_of(study, "whole"));
+  for (const int bytes : {300, 2500, 20000}) {
+    std::string message;
+    {
+      const FileSizeLimit full(static_cast<rlim_t>(bytes));
+      message = message_of<StoreError>([&] { make_set(params_of(study, "set")); });
+    }
+    EXPECT_THAT(message, AllOf(HasSubstr((study.folder() / "set").string()), HasSubstr("File too large")))
+        << bytes;
+    for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "set")) {
+      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+      if (entry.path().extension() == ".exr") {
+        EXPECT_NO_THROW(load_exr(entry.path()));
+      }
+    }
+  }
+  make_set(params_of(study, "set"));
+  EXPECT_EQ(digest_products(study.folder() / "set"), digest_products(study.folder() / "whole"));
+}
+
+// As somebody whom permissions stop, which root is not.
+class Nobody {
+ public:
+  Nobody() { EQ_CHECK(::geteuid() != 0 || ::seteuid(65534) == 0); }
+  ~Nobody() {
+    if (::getuid() == 0) EQ_CHECK(::seteuid(0) == 0);
+  }
+};
+
+TEST(Set, InAFolderThatIsOnlyToBeReadSaysSo) {
+  const test::TinyStudy study;
+  fs::permissions(study.folder(), fs::perms(0755));
+  fs::create_directory(study.folder() / "set");
+  fs::permissions(study.folder() / "set", fs::perms(0555));
+  std::string message;
+  {
+    const Nobody nobody;
+    message = message_of<StoreError>([&] { make_set(params_of(study, "set")); });
+  }
+  EXPECT_THAT(message, AllOf(HasSubstr((study.folder() / "set").string()), HasSubstr("Permission denied")));
 }
 
 TEST(Set, TakesOverLayersThatAnotherStudyMadeFromTheSame) {
