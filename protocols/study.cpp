@@ -96,15 +96,16 @@ constexpr int kMostExtensions = 8;
 // Names of files that stand beside the study that names them.
 constexpr const char* kFileMembers[] = {"scene", "windows", "truth"};
 
+fs::path folder_of(const fs::path& file) {
+  return fs::absolute(file.has_parent_path() ? file.parent_path() : fs::path(".")).lexically_normal();
+}
+
 // The base's member, as it is found from the folder of the study that extends it.
 Json take_over(const std::string& member, const Json& value, const fs::path& from, const fs::path& to) {
   const bool is_file =
       std::find(std::begin(kFileMembers), std::end(kFileMembers), member) != std::end(kFileMembers);
-  if (!is_file || !value.is_string() || from == to) return value;
-  return (fs::absolute(from) / value.as_string())
-      .lexically_normal()
-      .lexically_relative(fs::absolute(to).lexically_normal())
-      .generic_string();
+  if (!is_file || !value.is_string() || from == to || fs::path(value.as_string()).is_absolute()) return value;
+  return (from / value.as_string()).lexically_normal().lexically_relative(to).generic_string();
 }
 
 // A study file without what it extends: members that it has replace those of the base, and more_blocks are
@@ -116,7 +117,8 @@ Json load_extended(const fs::path& path, int depth) {
   const auto refuse = [&](const char* member, std::string expected, std::string got) {
     throw InputError(path.string(), std::string("/") + member, std::move(expected), std::move(got));
   };
-  if (!base_name->is_string()) refuse("extends", "the name of a study file", describe_json(*base_name));
+  if (!base_name->is_string() || base_name->as_string().empty())
+    refuse("extends", "the name of a study file", describe_json(*base_name));
   if (depth == kMostExtensions)
     refuse("extends", fmt::format("a chain of at most {} studies", kMostExtensions), "a longer one");
   const fs::path base_path = path.parent_path() / base_name->as_string();
@@ -124,7 +126,7 @@ Json load_extended(const fs::path& path, int depth) {
   if (!base.is_object()) refuse("extends", "a study file", describe_json(base));
   Json merged;
   for (const auto& [member, value] : base.as_object())
-    merged.set(member, take_over(member, value, base_path.parent_path(), path.parent_path()));
+    merged.set(member, take_over(member, value, folder_of(base_path), folder_of(path)));
   for (const auto& [member, value] : own.as_object()) {
     if (member != "extends" && member != "more_blocks") merged.set(member, value);
   }

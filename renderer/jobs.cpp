@@ -8,11 +8,25 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/folder_lock.h"
+#include "renderer/picture_store.h"
 #include "renderer/timing.h"
 
 namespace equilux {
 namespace {
 namespace fs = std::filesystem;
+
+// Of shares whose layers are all in the set, and that are about to be removed.
+constexpr const char* kDone = ".done-";
+
+bool is_share(const std::string& name) {
+  const auto of = name.find("-of-");
+  if (of == std::string::npos) return false;
+  const std::string first = name.substr(0, of), second = name.substr(of + 4);
+  const auto is_number = [](const std::string& text) {
+    return !text.empty() && text.size() < 6 && text.find_first_not_of("0123456789") == std::string::npos;
+  };
+  return is_number(first) && is_number(second);
+}
 
 std::vector<fs::path> list_folders(const fs::path& parent) {
   std::vector<fs::path> folders;
@@ -30,15 +44,56 @@ void remove_folder(const fs::path& folder) {
   if (error) throw StoreError(fmt::format("{}: cannot remove: {}", folder.string(), error.message()));
 }
 
-// A share that nobody writes any more.
-void gather_job(const StudyFolder& folder, const StudyFolder& job, const Study& study,
-                const std::map<std::string, std::string>& recipes, LayerStore& store) {
-  LayerStore rendered(job, study);
+// The first layer of a share that the set does not have as it would be made today; empty if it has them all.
+std::string find_lacking(const std::map<std::string, std::string>& recipes, LayerStore& store,
+                         const LayerStore& share) {
+  for (const auto& [name, layer] : share.records()) {
+    const auto today = recipes.find(name);
+    if (today == recipes.end() || today->second != layer.made_from || !store.is_whole(name, today->second))
+      return name;
+  }
+  return "";
+}
+
+// Under another name first: a run that is killed here neither gathers it again nor counts its times twice.
+void retire_share(const StudyFolder& folder, const StudyFolder& share) {
+  const fs::path done = folder.jobs() / (kDone + share.root.filename().string());
+  std::error_code error;
+  fs::rename(share.root, done, error);
+  if (error) throw StoreError(fmt::format("{}: cannot rename: {}", share.root.string(), error.message()));
+  join_timing(folder, {done});
+  remove_folder(done);
+}
+
+// A share that nobody writes any more. Gives a warning where it must stay.
+std::string gather_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
+                         const std::map<std::string, std::string>& recipes, LayerStore& store) {
+  if (!path_exists(share.layers())) return share.layers().string() + ": not there; the share was left alone";
+  LayerStore rendered(share, study);
   adopt_layers(recipes, store, rendered);
   store.save_record();
-  if (!rendered.list_lacking(store).empty()) return;
-  join_timing(folder, job);
-  remove_folder(job.root);
+  const std::string lacking = find_lacking(recipes, store, rendered);
+  if (!lacking.empty())
+    return fmt::format(
+        "{}: {} is damaged or made from another study, scene or estimator; the share is kept, "
+        "`set --job` makes it anew",
+        share.root.string(), lacking);
+  load_timing(share);  // damaged, it is said before the share is retired
+  retire_share(folder, share);
+  return "";
+}
+
+// What is damaged in one share keeps no other from being gathered.
+std::string try_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
+                      const std::map<std::string, std::string>& recipes, LayerStore& store) {
+  const FolderLock lock(share.root);
+  if (lock.is_busy()) return share.root.string() + ": still being rendered, not gathered";
+  try {
+    return gather_share(folder, share, study, recipes, store);
+  } catch (const InputError& error) {
+    return fmt::format("{}; the share was left alone: where it cannot be mended, remove {}", error.what(),
+                       share.root.string());
+  }
 }
 
 }  // namespace
@@ -69,6 +124,14 @@ std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& sc
       costs[key] = estimate_costs(study, scene, make_world(scene, key.geometry, key.illumination));
   }
   return split_work(list_work(costs, wanted), count);
+}
+
+void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
+                     const LayerStore& store) {
+  if (!has_sessions(folder)) return;
+  for (const auto& [name, recipe] : recipes) {
+    if (store.is_other(name, recipe)) refuse_change(folder, fmt::format("another {}", name));
+  }
 }
 
 std::map<std::string, std::string> list_layers(const Recipes& recipes, const Wanted& wanted) {
@@ -115,20 +178,26 @@ std::size_t adopt_layers(const std::map<std::string, std::string>& recipes, Laye
   return adopted;
 }
 
+bool has_shares(const StudyFolder& folder) {
+  const auto folders = list_folders(folder.jobs());
+  return std::any_of(folders.begin(), folders.end(),
+                     [](const fs::path& path) { return is_share(path.filename().string()); });
+}
+
 std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& study, const Scene& scene,
                                      LayerStore& store) {
   std::vector<std::string> warnings;
-  const std::vector<fs::path> jobs = list_folders(folder.jobs());
-  if (jobs.empty()) return warnings;
+  for (const fs::path& done : list_folders(folder.jobs())) {
+    if (done.filename().string().starts_with(kDone)) remove_folder(done);
+  }
+  if (!has_shares(folder)) return warnings;
   const Wanted all = enumerate_wanted(study, "*");
   const auto layers = list_layers(make_recipes(study, scene, all), all);
-  for (const fs::path& job : jobs) {
-    const FolderLock lock(job);
-    if (lock.is_busy()) {
-      warnings.push_back(job.string() + ": still being rendered, not gathered");
-    } else {
-      gather_job(folder, {job}, study, layers, store);
-    }
+  check_unchanged(folder, layers, store);
+  for (const fs::path& share : list_folders(folder.jobs())) {
+    if (!is_share(share.filename().string())) continue;
+    std::string warning = try_share(folder, {share}, study, layers, store);
+    if (!warning.empty()) warnings.push_back(std::move(warning));
   }
   std::error_code not_empty;
   fs::remove(folder.jobs(), not_empty);

@@ -38,9 +38,16 @@ Wanted find_missing(const Recipes& recipes, const Wanted& wanted, LayerStore& st
 std::size_t adopt_layers(const std::map<std::string, std::string>& recipes, LayerStore& store,
                          LayerStore& from);
 
+/// Of a set that was shown no layer may change. errors: InputError
+void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
+                     const LayerStore& store);
+
+/// Whether there are folders of shares in it.
+bool has_shares(const StudyFolder& folder);
+
 /// Takes over what shares have left in the folder, and removes those folders of which nothing remains that
-/// the set lacks. Gives warnings: of shares that are still being rendered.
-/// errors: StoreError; InputError if a share's records are damaged, or for what the scene lacks
+/// the set lacks. Gives warnings: of shares that are still being rendered, damaged, or made from something
+/// else. errors: StoreError; InputError for what the scene lacks, and where a set that was shown would change
 std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& study, const Scene& scene,
                                      LayerStore& store);
 

@@ -1,7 +1,9 @@
 // equilux-render plan, gather, submit: a set in shares.
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "base/program.h"
 #include "base/progress.h"
 #include "renderer/commands.h"
@@ -23,6 +25,7 @@ struct PlanOptions {
 // Work a second, and where it is known from.
 std::pair<double, std::string> find_rate(const PlanOptions& options, const Study& study, const Scene& scene) {
   if (!options.folder.empty()) {
+    load_folder_study({options.folder});
     if (const auto speed = find_speed({options.folder}))
       return {*speed, "as in " + StudyFolder{options.folder}.timing().string()};
   }
@@ -61,8 +64,21 @@ struct SubmitOptions {
   bool dry_run = false;
 };
 
+// Lines of a script are made of them.
+void check_words(const SubmitParams& params) {
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+  for (const std::string& option : params.options) {
+    if (option.empty() || option[0] == '-' || std::any_of(option.begin(), option.end(), is_control))
+      throw InputError("--sbatch", "", "an option without dashes, such as time=2:00:00", option);
+  }
+  const fs::path& folder = params.folder;
+  if (folder.empty() || (path_exists(folder) && !fs::is_directory(folder)))
+    throw InputError("--out", "", "a folder, or the name of one to make", "\"" + folder.string() + "\"");
+}
+
 int run_submit(const SubmitOptions& options, const std::string& isa) {
   SubmitParams params = options.params;
+  check_words(params);
   params.isa = isa;
   params.program = fs::canonical("/proc/self/exe");
   params.study_path = fs::absolute(params.study_path);

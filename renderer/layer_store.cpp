@@ -18,7 +18,9 @@ std::string file_of(const std::string& layer) { return "layers/" + layer + ".exr
 void copy_layer(const fs::path& source, const fs::path& target) {
   save_atomically(target, [&](const fs::path& part) {
     std::error_code error;
-    fs::create_hard_link(source, part, error);
+    // Of the file itself, were its name a symbolic link.
+    const fs::path file = fs::canonical(source, error);
+    if (!error) fs::create_hard_link(file, part, error);
     if (!error) return;
     fs::copy_file(source, part, fs::copy_options::overwrite_existing, error);
     if (error)
@@ -86,15 +88,6 @@ bool LayerStore::adopt(const std::string& name, const std::string& recipe, Layer
   return true;
 }
 
-std::vector<std::string> LayerStore::list_lacking(const LayerStore& other) const {
-  std::vector<std::string> names;
-  for (const auto& [name, layer] : layers_.by_name) {
-    const auto found = other.layers_.by_name.find(name);
-    if (found == other.layers_.by_name.end() || found->second.digest != layer.digest) names.push_back(name);
-  }
-  return names;
-}
-
 HdrImage LayerStore::load(const std::string& name) const {
   const LayerRecord& layer = record(name);
   const fs::path path = folder_.root / layer.file;
@@ -103,6 +96,10 @@ HdrImage LayerStore::load(const std::string& name) const {
     throw InputError(path.string(), "",
                      fmt::format("the file recorded in layers.json, digest {}", layer.digest), digest);
   }
+  const int channels = name.ends_with(".coverage") ? 1 : 3;
+  if (image.channels != channels)
+    throw InputError(path.string(), "", fmt::format("a layer of {} channels", channels),
+                     fmt::format("{}", image.channels));
   if (image.width != width_ || image.height != height_)
     throw InputError(path.string(), "", fmt::format("{} x {} pixels, as the study has", width_, height_),
                      fmt::format("{} x {}", image.width, image.height));

@@ -3,7 +3,6 @@
 
 #include <set>
 #include <string>
-#include <vector>
 
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
@@ -37,8 +36,8 @@ class LayerStore {
   /// the file system has them. False where there is none. errors: StoreError
   bool adopt(const std::string& name, const std::string& recipe, LayerStore& from);
 
-  /// Every layer recorded here that `other` does not have with the same bytes.
-  std::vector<std::string> list_lacking(const LayerStore& other) const;
+  /// Layers recorded here, by name.
+  const std::map<std::string, LayerRecord>& records() const { return layers_.by_name; }
 
   /// Writes layers.json. Called after each group of layers and at the end.
   void save_record() const { save_layers(layers_, folder_.layers()); }

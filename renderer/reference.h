@@ -13,6 +13,7 @@ struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
   double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
   std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation
+  int turns = 1;                         ///< of them all but the last missed the target, and were thrown away
 };
 
 /// Of the room's random numbers, the same for every material of the object.
@@ -49,8 +50,9 @@ std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span
 PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
                       const FamilyProgress& progress);
 
-/// The object's layers, joined with the room's. errors: as trace_layers
-FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, TracedLayer background,
+/// The object's layers, joined with the room's. Where their error misses the target they are thrown away and
+/// made again to a tighter one, a few times. errors: as trace_layers
+FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const TracedLayer& background,
                           const ReferenceParams& params, const FamilyProgress& progress);
 
 /// All of it for one material. errors: as trace_layers

@@ -51,6 +51,7 @@ Json tell_reference(const FamilyLayers& layers) {
   Json json;
   json.set("method", layers.sets ? "compensated" : "path");
   json.set("paths", layers.sets ? layers.sets->compensation_paths : layers.paths);
+  json.set("turns", layers.turns);
   if (!layers.sets) return json;
   const SetMeasures& sets = *layers.sets;
   json.set("clamp", format_clamp(sets.clamp_level)).set("sets", sets.sets).set("vpls", sets.mean_vpls);
@@ -108,7 +109,7 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
     FamilyLayers layers;
     {
       const LoggedWork work(job, "references", "reference " + format_key(families[i]));
-      layers = trace_object({job.world, materials[i], primary}, plan, std::move(backgrounds[i]),
+      layers = trace_object({job.world, materials[i], primary}, plan, backgrounds[i],
                             make_reference_params(job.study, families[i]), progress);
     }
     save_family(job, primary, families[i], layers);

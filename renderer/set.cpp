@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <set>
+#include <thread>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -57,15 +58,6 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
   copy_once(study.windows_path, folder.windows(), study, load_windows);
   copy_once(study.truth_path, folder.truth(), study, load_truth);
   save_text(folder.study(), format_json(study.source));
-}
-
-// Of a set that was shown no layer may change.
-void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
-                     const LayerStore& store) {
-  if (!has_sessions(folder)) return;
-  for (const auto& [name, recipe] : recipes) {
-    if (store.is_other(name, recipe)) refuse_change(folder, fmt::format("another {}", name));
-  }
 }
 
 Json make_json(const DisplayNoise& noise) {
@@ -194,6 +186,12 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   summary.seconds["pictures"] += seconds_since(start);
 }
 
+std::string join_warnings(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) text += "; " + warning;
+  return text;
+}
+
 // One run: what is wanted, and the folder that it stands in or will be gathered into.
 class SetMaker {
  public:
@@ -209,6 +207,7 @@ class SetMaker {
 
   SetSummary make() {
     const auto start = std::chrono::steady_clock::now();
+    check_folders();
     make_folder(folder_.root);
     const StudyFolder own = params_.job ? open_share() : folder_;
     make_folder(own.root);
@@ -234,14 +233,33 @@ class SetMaker {
     return join_work(plan_jobs(study_, scene_, all, job.count)[static_cast<std::size_t>(job.index - 1)]);
   }
 
+  // Before anything is made.
+  void check_folders() const {
+    for (const fs::path& other : params_.reuse) load_folder_study({other});
+    if (!params_.render) load_folder_study(folder_);
+  }
+
   // The set's own folder is prepared too, so that it can be gathered into.
   StudyFolder open_share() const {
-    if (!path_exists(folder_.study())) prepare_folder(folder_, study_);
+    prepare_once();
     if (load_study(folder_.study()).digest != study_.digest)
       throw InputError(folder_.root.string(), "", "the folder of this study",
                        "that of another, or of an older version");
     check_unchanged(folder_, list_layers(recipes_, wanted_), LayerStore(folder_, study_));
     return {folder_.job(format_job_folder(*params_.job))};
+  }
+
+  // Shares that start together do it one after another; study.json is the last that is written.
+  void prepare_once() const {
+    constexpr int kTries = 600;
+    for (int turn = 0; turn < kTries && !path_exists(folder_.study()); ++turn) {
+      const FolderLock lock(folder_.root);
+      if (lock.is_busy()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      } else if (!path_exists(folder_.study())) {
+        prepare_folder(folder_, study_);
+      }
+    }
   }
 
   void adopt_from(const fs::path& root, LayerStore& store) {
@@ -253,10 +271,7 @@ class SetMaker {
 
   void complete_layers(const StudyFolder& own, LayerStore& store) {
     if (params_.job) adopt_from(folder_.root, store);
-    for (const fs::path& other : params_.reuse) {
-      load_folder_study({other});  // says so if it is none
-      adopt_from(other, store);
-    }
+    for (const fs::path& other : params_.reuse) adopt_from(other, store);
     const Wanted missing = find_missing(recipes_, wanted_, store);
     if (!missing.empty()) {
       if (!params_.render) refuse_gaps(missing);
@@ -269,8 +284,9 @@ class SetMaker {
     const std::string first = missing.families.empty() ? format_key(missing.conditions.front())
                                                        : format_key(missing.families.front());
     throw InputError(folder_.root.string(), "", "every share of the set, rendered",
-                     fmt::format("{} references and {} layers of VPL pictures missing, {} the first",
-                                 missing.families.size(), missing.conditions.size(), first));
+                     fmt::format("{} references and {} layers of VPL pictures missing, {} the first{}",
+                                 missing.families.size(), missing.conditions.size(), first,
+                                 join_warnings(summary_.warnings)));
   }
 
   void render_missing(const StudyFolder& own, const Wanted& missing, LayerStore& store) {

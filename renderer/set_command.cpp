@@ -15,13 +15,14 @@ void add_set(CLI::App& app, CommandLine& line) {
   set->add_option("--out", params->folder, "Study folder to make or complete")->required();
   set->add_option("--only", params->only, "Glob over keys of pictures and references");
   auto job = std::make_shared<std::string>();
-  set->add_option("--job", *job, "Render this share alone, such as 3/16; `gather` puts them together");
+  CLI::Option* share =
+      set->add_option("--job", *job, "Render this share alone, such as 3/16; `gather` puts them together");
   set->add_option("--reuse", params->reuse, "Study folders whose layers may be taken over");
   add_machine(*set, line);
   set->footer("Example: equilux-render set protocols/pocket.json --out studies/pocket --only 'G0-MS-*'");
-  set->callback([&line, params, job] {
-    line.command = [params, job] {
-      if (!job->empty()) params->job = parse_job(*job);
+  set->callback([&line, params, job, share] {
+    line.command = [params, job, is_share = share->count() > 0] {
+      if (is_share) params->job = parse_job(*job);
       fmt::print("{}", format_summary(make_set(*params)));
       fmt::print("\n{}\n", params->folder.string());
       return kExitOk;

@@ -1,6 +1,7 @@
 // timing.json, read and added to.
 #include "renderer/timing.h"
 
+#include <cmath>
 #include <exception>
 #include <fmt/format.h>
 
@@ -71,8 +72,10 @@ std::optional<double> find_speed(const StudyFolder& folder) {
     for (const auto& [stage, spent] : seconds->as_object())
       time += spent.is_number() && stage != "pictures" && stage != "checking" ? spent.as_double() : 0;
   }
-  if (!(work > 0 && time > 0)) return {};
-  return work / time;
+  // Files can be edited.
+  const double speed = time > 0 ? work / time : 0;
+  if (!std::isfinite(speed) || !(speed > 0)) return {};
+  return speed;
 }
 
 WorkLog::WorkLog(const StudyFolder& folder) : file_(folder.log(), std::ios::app) {}

@@ -124,7 +124,9 @@ class FamilyVerifier {
         add(key, fmt::format("its {} in the manifest is {}, of its layers {}", member, recorded->as_double(),
                              value));
     }
-    shown_ = load_png(set_.folder.root / record->second.file);
+    LdrImage shown = load_png(set_.folder.root / record->second.file);
+    if (shown.width != set_.study.width || shown.height != set_.study.height) return;  // found before
+    shown_ = std::move(shown);
     if (shown_->values != compose_picture(*loaded_, loaded_->indirect).values)
       add(key, "the picture is not that of its layers");
   }
@@ -209,7 +211,8 @@ std::vector<Finding> verify_recipes(const fs::path& study_path, const Study& stu
 std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study) {
   if (!path_exists(folder.manifest()))
     return {{folder.manifest().string(), "not there: no pictures were made"}};
-  return verify_pictures(folder, study, load_manifest(folder.manifest()), enumerate_pictures(study));
+  const Manifest manifest = load_manifest(folder.manifest());
+  return verify_pictures(folder, study, manifest, list_pictures(study, manifest));
 }
 
 }  // namespace
@@ -224,9 +227,9 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
       enumerate_references(study).size() * std::size(kFamilyContents) + enumerate_conditions(study).size();
   auto& findings = verification.findings;
   findings = verify_manifest(folder, study);
-  if (path_exists(folder.jobs()))
-    findings.push_back(
-        {folder.jobs().string(), "shares that are not gathered; `equilux-render gather` does it"});
+  if (has_shares(folder))
+    findings.push_back({folder.jobs().string(),
+                        "shares that are not gathered; `equilux-render gather` does it, or says why not"});
   if (study_path) {
     const auto more = verify_recipes(*study_path, study, store);
     findings.insert(findings.end(), more.begin(), more.end());

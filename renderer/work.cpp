@@ -88,19 +88,21 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
 
 double measure_speed(const Study& study, const Scene& scene) {
   constexpr double kEnough = 0.5;  // s
+  constexpr int kMostPaths = 1 << 16;
+  constexpr double kUsual = 1e6;  // where the camera sees nothing that could be timed
   const Object object = enumerate_objects(study).front();
   const World world = make_world(scene, object.geometry, object.illumination);
   const Materials materials = make_materials(world, find_material(scene, object.material));
   const Primary primary = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
-  for (int paths = kBatches;; paths *= 4) {
+  double seconds = 0, traced = 0;
+  for (int paths = kBatches; paths <= kMostPaths && seconds < kEnough; paths *= 4) {
     const PathMaps maps = make_fixed_maps(primary, {paths, paths, paths});
-    double seconds = 0;
-    {
-      const Stopwatch watch(seconds);
-      trace_layers({world, materials, primary}, maps, study.seed, "speed", {}, [](double) {});
-    }
-    if (seconds > kEnough) return count_paths(primary, maps) / seconds;
+    traced = count_paths(primary, maps);
+    seconds = 0;
+    const Stopwatch watch(seconds);
+    trace_layers({world, materials, primary}, maps, study.seed, "speed", {}, [](double) {});
   }
+  return traced > 0 && seconds > 0 ? traced / seconds : kUsual;
 }
 
 std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted) {

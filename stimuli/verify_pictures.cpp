@@ -3,6 +3,7 @@
 
 #include <array>
 #include <fstream>
+#include <set>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -70,6 +71,15 @@ std::vector<std::string> enumerate_pictures(const Study& study) {
   return keys;
 }
 
+std::vector<std::string> list_pictures(const Study& study, const Manifest& manifest) {
+  std::vector<std::string> keys = enumerate_pictures(study);
+  const std::set<std::string> known(keys.begin(), keys.end());
+  for (const auto& [key, picture] : manifest.pictures) {
+    if (!known.contains(key)) keys.push_back(key);
+  }
+  return keys;
+}
+
 std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& study, const Manifest& manifest,
                                      const std::vector<std::string>& keys) {
   const auto check = [&](bool good, std::string wrong) {
@@ -78,8 +88,11 @@ std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& stu
   };
   auto findings = check(manifest.study_digest == study.digest, "of another study than study.json");
   if (!findings.empty()) return findings;
+  const std::vector<std::string> all = enumerate_pictures(study);
+  const std::set<std::string> known(all.begin(), all.end());
   for (const std::string& key : keys) {
-    std::string wrong = find_fault(folder, study, manifest, key);
+    std::string wrong = known.contains(key) ? find_fault(folder, study, manifest, key)
+                                            : "recorded in the manifest, and no picture of the study";
     if (!wrong.empty()) findings.push_back({key, std::move(wrong)});
   }
   return findings;

@@ -214,6 +214,18 @@ TEST_F(StudyFile, ThatExtendsAnotherIsWhatItWouldBeInFull) {
   EXPECT_EQ(study.blocks.size(), pocket_.at("blocks").as_array().size() + 1);
 }
 
+TEST_F(StudyFile, ThatExtendsAnotherKeepsAbsoluteNamesAndNeedsNoFolderInItsOwn) {
+  std::filesystem::create_directory(folder_ / "base");
+  folder_.write("base/pocket.json", format_json(with(pocket_, "/scene", "/somewhere/scene.json")));
+  folder_.write("study.json", format_json(Json().set("extends", "base/pocket.json")));
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_.path());
+  const Study study = load_study("study.json");
+  std::filesystem::current_path(before);
+  EXPECT_EQ(study.scene_path, "/somewhere/scene.json");
+  EXPECT_EQ(study.truth_path, "base/pocket/truth.json");
+}
+
 TEST_F(StudyFile, ThatExtendsWhatItCannotSaysSo) {
   EXPECT_THAT(refusal_of(Json().set("extends", 3)),
               HasSubstr("/extends: expected the name of a study file, got 3"));

@@ -12,6 +12,7 @@
 #include "renderer/submit.h"
 #include "renderer/timing.h"
 #include "stimuli/exr_file.h"
+#include "stimuli/layers.h"
 #include "tests/renderer/tiny_study.h"
 #include "tests/support/failures.h"
 
@@ -125,6 +126,52 @@ TEST(Jobs, LeaveAShareAloneThatIsBeingRendered) {
   EXPECT_TRUE(path_exists(folder / "layers.json"));
 }
 
+// Somebody's own folder, a share without records, one with damaged records, one of another scene: each is
+// named and stays, and the good one beside them is gathered.
+TEST(Jobs, ThatCannotBeGatheredStayAndAreNamed) {
+  const test::TinyStudy study;
+  const fs::path jobs = study.folder() / "set/jobs";
+  for (const int index : {1, 2, 3, 4}) render_share(study, "set", index, 4);
+  fs::create_directories(jobs / "notes");
+  save_text(jobs / "notes/mine.txt", "precious");
+  fs::remove(jobs / "1-of-4/layers.json");
+  save_text(jobs / "2-of-4/layers.json", "{");
+  Layers other = load_layers(jobs / "3-of-4/layers.json");
+  const std::string changed = other.by_name.begin()->first;
+  other.by_name.begin()->second.made_from = digest_text("another");
+  save_layers(other, jobs / "3-of-4/layers.json");
+  save_text(jobs / "4-of-4/timing.json", "[]");
+  const std::string refusal = message_of<InputError>([&] { gather(study, "set"); });
+  EXPECT_THAT(refusal,
+              AllOf(HasSubstr("1-of-4/layers.json: not there"), HasSubstr("2-of-4/layers.json: line 1"),
+                    HasSubstr("3-of-4: " + changed + " is damaged or made from another"),
+                    HasSubstr("4-of-4/timing.json")));
+  for (const char* kept : {"notes/mine.txt", "1-of-4/layers", "2-of-4/layers", "3-of-4/layers"})
+    EXPECT_TRUE(path_exists(jobs / kept)) << kept;
+  const SetSummary whole = make_set(params_of(study, "set"));
+  EXPECT_EQ(whole.warnings.size(), 4u);
+  for (const int index : {1, 3}) fs::remove_all(jobs / fmt::format("{}-of-4", index));
+  fs::remove_all(jobs / "2-of-4");
+  fs::remove(jobs / "4-of-4/timing.json");
+  EXPECT_EQ(gather(study, "set").warnings, std::vector<std::string>());
+  EXPECT_TRUE(path_exists(jobs / "notes/mine.txt"));
+}
+
+TEST(Jobs, ChangeNoLayerOfASetThatWasShown) {
+  const test::TinyStudy study;
+  make_set(params_of(study, "set"));
+  render_share(study, "set", 1, 1);
+  Layers layers = load_layers(study.folder() / "set/layers.json");
+  layers.by_name.at("G0-GS-dir-100-C3-v0").made_from = digest_text("another");
+  save_layers(layers, study.folder() / "set/layers.json");
+  save_text(study.folder() / "set/responses.sqlite", "");
+  SetParams params = params_of(study, "set");
+  params.only = "G0-MS-ind-*";
+  EXPECT_THAT(message_of<InputError>([&] { make_set(params); }),
+              AllOf(HasSubstr("what its sessions have seen"), HasSubstr("another G0-GS-dir-100-C3-v0")));
+  EXPECT_TRUE(path_exists(study.folder() / "set/jobs/1-of-1/layers.json"));
+}
+
 TEST(Jobs, OfAnotherStudyAreRefused) {
   const test::TinyStudy study, other(study.folder(), 2);
   render_share(study, "set", 1, 2);
@@ -220,6 +267,17 @@ TEST(Set, TakesOverLayersThatAnotherStudyMadeFromTheSame) {
   EXPECT_EQ(with.layers_rendered * 3, alone.layers_rendered) << "only BR is new";
   EXPECT_EQ(digest_products(study.folder() / "with/pictures"),
             digest_products(study.folder() / "alone/pictures"));
+  fs::rename(study.folder() / "set/layers", study.folder() / "elsewhere");
+  fs::create_directory_symlink("../elsewhere", study.folder() / "set/layers");
+  for (const auto& entry : fs::directory_iterator(study.folder() / "elsewhere")) {
+    const fs::path file = entry.path().filename();
+    fs::rename(entry.path(), study.folder() / file);
+    fs::create_symlink("../" + file.string(), entry.path());
+  }
+  params.folder = study.folder() / "links";
+  EXPECT_EQ(make_set(params).layers_adopted, with.layers_adopted);
+  for (const auto& entry : fs::directory_iterator(study.folder() / "links/layers"))
+    EXPECT_FALSE(entry.is_symlink()) << entry.path();
   params.reuse = {study.folder() / "none"};
   EXPECT_THAT(message_of<InputError>([&] { make_set(params); }), HasSubstr("expected a study folder"));
 }

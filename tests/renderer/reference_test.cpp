@@ -147,6 +147,22 @@ TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
 
 // The same noise on the object takes fewer paths than an even number for all pixels: the measure's whole
 // point.
+// Twelve seeds, a 99th percentile that is hardly foreseen: some miss it and are made again, all meet it.
+TEST(Reference, ThatMissesItsTargetIsMadeAgain) {
+  const Stage stage(12, 1);
+  const NoiseTarget target{3, 5.4, 8};
+  int again = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const FamilyLayers layers = stage.trace(adaptive(target, seed));
+    again += layers.turns > 1;
+    const DisplayNoise noise = stage.noise(layers);
+    EXPECT_LE(noise.object_mean, target.object_mean) << seed;
+    EXPECT_LE(noise.object_p99, target.object_p99) << seed;
+  }
+  EXPECT_GE(again, 1) << "otherwise this test shows nothing";
+  EXPECT_LE(again, 9) << "what is foreseen should mostly come true";
+}
+
 TEST(Reference, AllottedPathsAreFewerThanEvenOnesOfTheSameNoise) {
   const Stage stage(32, 1);
   const auto allotted = stage.trace(adaptive({1, 3, 2}, 7));

@@ -164,6 +164,29 @@ TEST_F(Verify, FindsPicturesOfAnotherStudyAndLayersOfAnotherScene) {
   expect_only("of another study than study.json");
 }
 
+TEST_F(Verify, FindsALayerOfOtherChannelsAndAPictureOfAnotherSize) {
+  Layers layers = load_layers(folder_.layers());
+  LayerRecord& layer = layers.by_name.at("G0-MS-ind-100-C3-v0");
+  layer.file = layers.by_name.at("G0-MS-ind-ref-v0.coverage").file;
+  layer.digest = layers.by_name.at("G0-MS-ind-ref-v0.coverage").digest;
+  save_layers(layers, folder_.layers());
+  expect_only("G0-MS-ind-100-C3-v0: ");
+  for (const std::string key : {"G0-MS-ind-ref-v0", "G0-MS-ind-100-C4-v0"}) {
+    save_png(LdrImage(1, 1), folder_.root / "pictures" / (key + ".png"));
+    change_manifest([&](Manifest& manifest) {
+      manifest.pictures.at(key).digest = digest_file(folder_.root / manifest.pictures.at(key).file);
+    });
+  }
+  const auto lines = find();
+  EXPECT_THAT(lines[0], HasSubstr("1 x 1 pixels, where the manifest has 24 x 18"));
+}
+
+TEST_F(Verify, FindsAPictureThatTheStudyDoesNotHave) {
+  change_manifest(
+      [](Manifest& manifest) { manifest.pictures["foo"] = manifest.pictures.at("G0-MS-ind-100-C4-v0"); });
+  expect_only("foo: recorded in the manifest, and no picture of the study");
+}
+
 TEST_F(Verify, FindsSharesThatAreNotGathered) {
   fs::create_directories(folder_.job("1-of-2"));
   expect_only("shares that are not gathered");

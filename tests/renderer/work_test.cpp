@@ -80,6 +80,13 @@ TEST(Work, HasAsItsLongestShareTheShortestThatThereIs) {
   }
 }
 
+TEST(Work, HasASpeedAlsoWhereTheCameraSeesNothing) {
+  Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
+  scene.camera.position = {1000, 1000, 1000};
+  scene.camera.target = {1001, 1001, 1001};
+  EXPECT_GT(measure_speed(load_paper(), scene), 0);
+}
+
 TEST(Work, CountsWhatIsSharedOnce) {
   const Study study = load_paper();
   const auto costs = make_costs(study);
