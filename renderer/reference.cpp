@@ -13,7 +13,7 @@ constexpr double kPathsForOneStepOutside = 3200;
 
 // Work of compensated VPL sets over that of path tracing, and of their pilots whatever the object's size.
 // Measured in the café.
-constexpr double kCompensatedShare = 0.11, kSetPilots = 4e6;
+constexpr double kCompensatedShare = 0.07, kSetPilots = 4e6;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;

@@ -320,6 +320,7 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
                           group.study.seed);
   };
   const MeasuredCut cut = shade();
+  group.progress.advance(cost_of_measuring(job.vpl_count));
   group.seconds["VPL shading"] += cut.measures.seconds_cut;
   group.seconds["measured error"] += cut.measures.seconds_measured;
   save_vpl_layers(

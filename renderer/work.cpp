@@ -29,7 +29,7 @@ void add_costs(const WorldCosts& costs, WorkItem& item) {
     if (is_summed_plainly(count)) {
       item.shared[fmt::format("{}-v{}", key, item.family.view)] = kPairCost * vpls * costs.points;
     } else {
-      item.own += cost_of_cut(count) * costs.points;
+      item.own += cost_of_cut(count) * costs.points + cost_of_measuring(count);
     }
   }
   if (item.has_reference) {
@@ -68,9 +68,10 @@ std::vector<std::vector<WorkItem>> fill_runs(const std::vector<WorkItem>& items,
 
 }  // namespace
 
-double cost_of_cut(std::int64_t vpls) {
-  constexpr double kGrowth = 0.11;  // of cuts with the number of VPLs
-  return kCutCost * std::pow(static_cast<double>(vpls) / 1e5, kGrowth);
+double cost_of_cut(std::int64_t vpls) { return 50 * std::pow(static_cast<double>(vpls) / 1e5, 0.15); }
+
+double cost_of_measuring(std::int64_t vpls) {
+  return 1.75e6 * std::pow(static_cast<double>(vpls) / 1e5, 0.42);
 }
 
 WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }

@@ -12,12 +12,12 @@
 
 namespace equilux {
 
-/// Costs in units of a path, measured on the café: a pair of point and VPL, a point's cut of 100,000 VPLs at
-/// all levels with its part of the measuring of errors, a VPL with its share of the tree.
-inline constexpr double kPairCost = 0.05, kCutCost = 120, kVplCost = 0.57;
+/// Costs in units of a path, measured on the café: a pair of point and VPL, a VPL with its share of the tree.
+inline constexpr double kPairCost = 0.02, kVplCost = 0.57;
 
-/// A point's cut of any number of VPLs.
+/// The same of a point's cut at all levels, and of the measuring of a layer's error.
 double cost_of_cut(std::int64_t vpls);
+double cost_of_measuring(std::int64_t vpls);
 
 /// Of a material's VPLs those that are its own: on the object, or after it.
 inline constexpr double kOwnVpls = 0.3;

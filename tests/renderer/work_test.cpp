@@ -101,7 +101,7 @@ TEST(Work, CountsWhatIsSharedOnce) {
   const auto items = list_work(costs, {{}, cells.conditions});
   ASSERT_EQ(items.size(), 1u);
   EXPECT_FALSE(items[0].has_reference);
-  EXPECT_DOUBLE_EQ(sum_work(items), kVplCost * 5e6 + cost_of_cut(5000000) * 1e4)
+  EXPECT_DOUBLE_EQ(sum_work(items), kVplCost * 5e6 + cost_of_cut(5000000) * 1e4 + cost_of_measuring(5000000))
       << "one cut for eleven levels";
 }
 
