@@ -145,8 +145,6 @@ TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
   }
 }
 
-// The same noise on the object takes fewer paths than an even number for all pixels: the measure's whole
-// point.
 // Twelve seeds, a 99th percentile that is hardly foreseen: some miss it and are made again, all meet it.
 TEST(Reference, ThatMissesItsTargetIsMadeAgain) {
   const Stage stage(12, 1);
@@ -163,6 +161,8 @@ TEST(Reference, ThatMissesItsTargetIsMadeAgain) {
   EXPECT_LE(again, 9) << "what is foreseen should mostly come true";
 }
 
+// The same noise on the object takes fewer paths than an even number for all pixels: the measure's whole
+// point.
 TEST(Reference, AllottedPathsAreFewerThanEvenOnesOfTheSameNoise) {
   const Stage stage(32, 1);
   const auto allotted = stage.trace(adaptive({1, 3, 2}, 7));
