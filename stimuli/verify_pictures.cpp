@@ -49,7 +49,8 @@ std::string find_fault(const StudyFolder& folder, const Study& study, const Mani
   if (found == manifest.pictures.end()) return "no picture; `equilux-render set` makes what is missing";
   const fs::path file = folder.root / found->second.file;
   if (!is_file(file)) return "no file " + file.string();
-  if (digest_file(file) != found->second.digest) return file.string() + " is not the file that was recorded";
+  if (const std::string digest = digest_file(file); digest != found->second.digest)
+    return fmt::format("{}: expected the digest {}, got {}", file.string(), found->second.digest, digest);
   const auto [width, height] = load_png_size(file);
   if (width != static_cast<std::uint32_t>(manifest.width) ||
       height != static_cast<std::uint32_t>(manifest.height))
