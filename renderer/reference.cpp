@@ -202,7 +202,9 @@ FamilyLayers trace_by_paths(const FamilyScene& scene, const PathMaps& maps, Trac
 }
 
 // What was foreseen can be missed: then all of it is thrown away and made again, from other random numbers,
-// to a target that is so much tighter. What is kept never knows of its own error.
+// to a target that is so much tighter. A bias of second order: what is kept met the target by its own
+// estimate of error, which bright rare paths raise, so that where misses are frequent these are kept more
+// seldom.
 constexpr int kMostTurns = 4;
 constexpr double kTurnMargin = 1.1;
 

@@ -51,7 +51,8 @@ PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, cons
                       const FamilyProgress& progress);
 
 /// The object's layers, joined with the room's. Where their error misses the target they are thrown away and
-/// made again to a tighter one, a few times. errors: as trace_layers
+/// made again to a tighter one, a few times: so what is kept is unbiased but for that choice.
+/// errors: as trace_layers
 FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const TracedLayer& background,
                           const ReferenceParams& params, const FamilyProgress& progress);
 

@@ -100,8 +100,7 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
   {
     const LoggedWork work(
         job, "backgrounds",
-        fmt::format("backgrounds {}-{}-v{} of {} materials", families[0].object.geometry,
-                    format_illumination(families[0].object.illumination), families[0].view, families.size()));
+        fmt::format("backgrounds {} of {} materials", name_background_stream(families[0]), families.size()));
     plan = plan_background(job.world, primary, params, progress);
     backgrounds = trace_planned_backgrounds(job.world, materials, primary, plan, params, progress.advance);
   }
@@ -153,6 +152,12 @@ struct VplJob {
   std::vector<const ViewJob*> views;  // that want some of it
 
   const LevelsByMaterial& wanted(const ViewJob& view) const { return view.wanted.at(vpl_count); }
+
+  // A product as the log tells it, such as "light tree G0-MS-ind-5M".
+  std::string name(const char* product, const std::string& material) const {
+    const Column column{{key.geometry, material, key.illumination}, vpl_count};
+    return fmt::format("{} {}", product, format_key(column));
+  }
 };
 
 // Of all views.
@@ -177,7 +182,7 @@ class SharedVpls {
   /// Those of this material alone; `shared` of the first.
   VplSet trace(const std::string& material) {
     const GroupJob& group = job_.group;
-    const LoggedWork work(group, "VPL tracing", fmt::format("{} {}", stream_, material));
+    const LoggedWork work(group, "VPL tracing", job_.name("VPLs", material));
     const Materials materials = materials_of(group, material);
     const Emission emission = group.study.emission;
     const auto cost = kVplCost * static_cast<double>(job_.vpl_count);
@@ -312,9 +317,7 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
   const auto advance = [&](double points) { group.progress.advance(cost_of_cut(job.vpl_count) * points); };
   const auto shade = [&] {
     const LoggedProduct work(
-        group.log, fmt::format("cuts {}-{}-{}-{}-v{} at {} levels", job.key.geometry, name,
-                               format_illumination(job.key.illumination), format_vpl_count(job.vpl_count),
-                               view.view, levels.size()));
+        group.log, fmt::format("{}-v{} at {} levels", job.name("cuts", name), view.view, levels.size()));
     return shade_measured({group.world, view.points, {&trees.shared, &trees.own}, material, clamps, advance},
                           {kErrorRatio, find_floor(job, view, name), group.study.certified},
                           group.study.seed);
@@ -341,10 +344,7 @@ void render_all_lightcuts(const VplJob& job) {
     std::int64_t count = 0;
     with_vpl_memory(job.vpl_count, [&] {
       VplSet set = tracing.trace(name);
-      const LoggedWork work(
-          job.group, "light trees",
-          fmt::format("light tree {}-{}-{}-{}", job.key.geometry, name,
-                      format_illumination(job.key.illumination), format_vpl_count(job.vpl_count)));
+      const LoggedWork work(job.group, "light trees", job.name("light tree", name));
       if (shared_count < 0) {
         shared_count = static_cast<std::int64_t>(set.shared.size());
         shared_tree = make_light_tree(std::move(set.shared), tree_params);
