@@ -64,6 +64,15 @@ void check_reference_materials(const Study& study, const std::string& source) {
   }
 }
 
+ToneMapping read_tone(const Json& json) {
+  ToneMapping tone;
+  tone.key = json.at("tone_key").as_double();
+  tone.exposure = json.at("exposure").as_string() == "whole" ? Exposure::kWhole : Exposure::kBackground;
+  if (const Json* operation = json.find("tone_operator"))
+    tone.operation = operation->as_string() == "local" ? ToneOperator::kLocal : ToneOperator::kGlobal;
+  return tone;
+}
+
 // Sets need a noise target.
 ReferenceMethod parse_reference(const Study& study, const std::string& source) {
   const Json* reference = study.source.find("reference");
@@ -172,8 +181,9 @@ Study load_study(const fs::path& path) {
   study.noise_target = {noise.at("object_mean").as_double(), noise.at("object_p99").as_double(),
                         noise.at("outside_mean").as_double()};
   study.reference = parse_reference(study, source);
-  study.tone_key = json.at("tone_key").as_double();
-  study.exposure = json.at("exposure").as_string() == "whole" ? Exposure::kWhole : Exposure::kBackground;
+  study.tone = read_tone(json);
+  const Json* planned = json.find("planned_tone");
+  study.planned_tone = planned ? read_tone(*planned) : study.tone;
   for (const std::string& text : json.at("clamp_levels").as_strings()) {
     study.clamp_levels.push_back(parse_clamp_level(text, source, "/clamp_levels"));
   }

@@ -44,6 +44,17 @@ enum class Exposure {
   kBackground,
   kWhole
 };  ///< pixels that set a family's tone curve: of coverage 0, or all
+
+/// Reinhard's operator: one curve for all pixels, or each by the luminance around it (dodging and burning).
+enum class ToneOperator { kGlobal, kLocal };
+
+/// How radiance becomes what a screen shows.
+struct ToneMapping {
+  ToneOperator operation = ToneOperator::kGlobal;
+  double key = 0.18;
+  Exposure exposure = Exposure::kBackground;
+};
+
 /// How the object's indirect light in a reference is made; both ways are unbiased. Compensated: the mean of
 /// independent VPL sets and what their clamp takes, by paths, where that is foreseen to be faster.
 enum class ReferenceMethod { kPath, kCompensated };
@@ -72,8 +83,10 @@ struct Study {
   NoiseTarget noise_target;
   ReferenceMethod reference = ReferenceMethod::kPath;
   Emission emission = Emission::kLambertian;
-  double tone_key = 0.18;
-  Exposure exposure = Exposure::kBackground;
+  ToneMapping tone;
+  /// That by which paths of references and floors of cuts are planned, so that layers depend on it and not on
+  /// `tone`: the same, unless a study maps the layers of another anew.
+  ToneMapping planned_tone;
   std::vector<int> clamp_levels;
   bool certified = false;  ///< lightcuts are refined until 99 % of the points measured err by under 1 %
   bool normalise = false;  ///< every VPL picture is luminance-normalised (key C4n)

@@ -247,10 +247,10 @@ class PixelKinds {
 };
 
 DisplayPilot::DisplayPilot(const std::vector<const HdrImage*>& layers, const HdrImage& coverage,
-                           Exposure exposure, double tone_key)
+                           const ToneMapping& tone)
     : coverage_(coverage), kinds_(std::make_shared<const PixelKinds>(coverage)) {
   const HdrImage reference = composite(layers);
-  tone_ = make_tone_curve(reference, coverage, exposure, tone_key);
+  tone_ = make_tone_curve(reference, coverage, tone);
   mean_ = smooth(reference);
 }
 
@@ -273,7 +273,7 @@ double DisplayPilot::find_size(std::size_t pixel, const std::array<double, 3>& c
     low[c] = static_cast<float>(mean[c] - scale * change[c]);
     high[c] = static_cast<float>(mean[c] + scale * change[c]);
   }
-  const auto below = eval_display(tone_, low.data()), above = eval_display(tone_, high.data());
+  const auto below = eval_display(tone_, pixel, low.data()), above = eval_display(tone_, pixel, high.data());
   double largest = 0;
   for (std::size_t c = 0; c < 3; ++c) largest = std::max(largest, (above[c] - below[c]) / (2 * scale));
   return largest;
@@ -319,9 +319,8 @@ PathMaps allot_paths(const LayerErrors& errors, const HdrImage& coverage, int po
 }
 
 PathMaps allot_paths(const TracedLayers& pilot, const PathMaps& pilot_maps, const HdrImage& coverage,
-                     int positions, Exposure exposure, double tone_key, const NoiseTarget& target) {
-  const DisplayPilot view({&pilot.background.mean, &pilot.direct.mean, &pilot.indirect.mean}, coverage,
-                          exposure, tone_key);
+                     int positions, const ToneMapping& tone, const NoiseTarget& target) {
+  const DisplayPilot view({&pilot.background.mean, &pilot.direct.mean, &pilot.indirect.mean}, coverage, tone);
   return allot_paths({view.find_errors(pilot.background, pilot_maps.background),
                       view.find_errors(pilot.direct, pilot_maps.direct),
                       view.find_errors(pilot.indirect, pilot_maps.indirect)},

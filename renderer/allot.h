@@ -20,10 +20,9 @@ class PixelKinds;
 class DisplayPilot {
  public:
   /// `layers` add up. `coverage` must outlive it.
-  DisplayPilot(const std::vector<const HdrImage*>& layers, const HdrImage& coverage, Exposure exposure,
-               double tone_key);
+  DisplayPilot(const std::vector<const HdrImage*>& layers, const HdrImage& coverage, const ToneMapping& tone);
 
-  const ToneRecord& tone() const { return tone_; }
+  const ToneCurve& tone() const { return tone_; }
   const HdrImage& coverage() const { return coverage_; }
 
   /// Displayed standard error of a layer for one path a batch and position, from smoothed variances. shape:
@@ -40,7 +39,7 @@ class DisplayPilot {
  private:
   const HdrImage& coverage_;
   std::shared_ptr<const PixelKinds> kinds_;
-  ToneRecord tone_;
+  ToneCurve tone_;
   std::array<std::vector<double>, 3> mean_;  // of each channel
 };
 
@@ -79,6 +78,6 @@ PathMaps allot_paths(const LayerErrors& errors, const HdrImage& coverage, int po
 /// The same from a pilot: since it is independent of the paths that follow, these are unbiased however wrong
 /// it is.
 PathMaps allot_paths(const TracedLayers& pilot, const PathMaps& pilot_maps, const HdrImage& coverage,
-                     int positions, Exposure exposure, double tone_key, const NoiseTarget& target);
+                     int positions, const ToneMapping& tone, const NoiseTarget& target);
 
 }  // namespace equilux

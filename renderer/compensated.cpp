@@ -133,7 +133,7 @@ class CompensatedTracer {
         progress_(progress),
         coverage_(make_coverage(scene.primary)),
         view_({&pilot.layers.background.mean, &pilot.layers.direct.mean, &pilot.layers.indirect.mean},
-              coverage_, params.exposure, params.tone_key),
+              coverage_, params.tone),
         background_errors_(view_.find_errors(pilot.layers.background, pilot.maps.background)),
         direct_errors_(view_.find_errors(pilot.layers.direct, pilot.maps.direct)) {}
 
@@ -193,7 +193,7 @@ class CompensatedTracer {
     sets.paths = find_path_count(scene_.world, plan.vpls, params_.seed);
     sets.clamps_per_m2 = {clamp_per_m2(plan.clamp_level)};
     sets.error_ratio = plan.error_ratio;
-    sets.floor = find_radiance_of_step(view_.tone(), 0.25);
+    sets.floor = find_radiance_of_step(view_.tone().record, 0.25);
     sets.seed = params_.seed;
     sets.stream_name = params_.stream_name;
     sets.totals.push_back(plan.light);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/digest.h"
+#include "renderer/local_tone.h"
 #include "renderer/wanted.h"
 
 namespace equilux {
@@ -34,13 +35,15 @@ LoadedFamily load_family(const Study& study, const LayerStore& store, const Fami
                       {}};
   loaded.base = composite({&loaded.background, &loaded.direct});
   const HdrImage reference = composite({&loaded.base, &loaded.indirect});
-  loaded.tone = make_tone_curve(reference, loaded.coverage, study.exposure, study.tone_key);
+  loaded.tone = make_tone_curve(reference, loaded.coverage, study.tone);
   loaded.noise = measure_display_noise(reference, loaded.standard_error, loaded.coverage, loaded.tone);
   for (const char* content : kFamilyContents)
     loaded.digests += store.record(layer_name(family, content)).digest + " ";
-  const ToneRecord& tone = loaded.tone;
+  const ToneRecord& tone = loaded.tone.record;
   loaded.digests +=
       fmt::format("{} {} {} {} {}", tone.log_average, tone.white, tone.delta, tone.key, tone.exposure);
+  if (study.tone.operation == ToneOperator::kLocal)
+    loaded.digests += fmt::format(" local {}", kLocalToneVersion);
   return loaded;
 }
 

@@ -11,7 +11,7 @@ namespace equilux {
 /// The layers of a family, loaded once for all its pictures. `base` is background and direct light.
 struct LoadedFamily {
   HdrImage background, coverage, direct, indirect, standard_error, base;
-  ToneRecord tone;
+  ToneCurve tone;
   DisplayNoise noise;
   std::string digests;  ///< of what every picture of the family is made from
 };

@@ -39,7 +39,7 @@ Truth trace_truth(const Laboratory& lab) {
   layers.indirect = std::move(traced.indirect);
   layers.coverage = make_coverage(lab.primary);
   layers.tone = make_tone_curve(composite({&layers.background, &layers.direct, &layers.indirect.mean}),
-                                layers.coverage, params.exposure, params.tone_key);
+                                layers.coverage, params.tone);
   layers.pixels_per_degree = params.pixels_per_degree;
   return {std::move(layers), format_key(params.condition)};
 }
@@ -256,7 +256,7 @@ Convergence measure_convergence(const Scene& scene, const ConvergeParams& params
   EQ_CHECK(params.seeds >= 2, params.seeds);
   const Laboratory lab(scene, params);
   const Truth truth = trace_truth(lab);
-  const LitScene lit = lab.lit(find_radiance_of_step(truth.layers().tone, 0.25));
+  const LitScene lit = lab.lit(find_radiance_of_step(truth.layers().tone.record, 0.25));
   Convergence made;
   made.source = params.source;
   made.condition = format_key(params.condition);

@@ -24,8 +24,7 @@ struct ConvergeParams {
   Condition condition;  ///< count and clamp level are those of the ladders that hold them fixed
   int width = 0, height = 0, positions = 1;
   Emission emission = Emission::kLambertian;
-  Exposure exposure = Exposure::kBackground;
-  double tone_key = 0.18;
+  ToneMapping tone;
   double pixels_per_degree = 35;
   std::uint64_t seed = 1;
   int seeds = 4;               ///< of each setting, at least 2

@@ -30,8 +30,7 @@ ConvergeParams make_converge_params(const ConvergeOptions& options, const SceneO
   params.height = options.height > 0 ? options.height : study.height;
   params.positions = options.positions > 0 ? options.positions : study.subpixel_positions;
   params.emission = study.emission;
-  params.exposure = study.exposure;
-  params.tone_key = study.tone_key;
+  params.tone = study.tone;
   params.pixels_per_degree = params.width / study.target_degrees_wide;
   params.ladders.clamp_levels = study.clamp_levels;
   const std::int64_t most = parse_vpl_count(options.most_vpls, "--most-vpls");

@@ -11,7 +11,7 @@ namespace equilux {
 struct TruthLayers {
   HdrImage background, direct, coverage;
   TracedLayer indirect;
-  ToneRecord tone;
+  ToneCurve tone;
   double pixels_per_degree = 35;
 };
 

@@ -194,6 +194,13 @@ void add_image(CLI::App& app, CommandLine& line) {
   image->add_option("scene", options->params.scene_path, "Scene file")->required();
   image->add_option("--out", options->out, "EXR file to write")->required();
   image->add_option("--png", options->png, "PNG to write too, through the tone curve of its own background");
+  image->add_option("--tone-key", options->params.tone.key, "Key of that curve (0.18)")
+      ->check(CLI::Range(1e-6, 10.0));
+  image
+      ->add_option("--tone-operator", options->params.tone.operation,
+                   "global, or local: each pixel by the luminance around it (global)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ToneOperator>{
+          {"global", ToneOperator::kGlobal}, {"local", ToneOperator::kLocal}}));
   image->add_option("--error-png", options->error_png,
                     "PNG of the path-traced parts' standard error, 51 grey levels a displayed step");
   image->add_option("--layers", options->layers,

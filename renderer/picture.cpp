@@ -71,11 +71,11 @@ void check_clamps(const PictureParams& params, const World& world) {
 }
 
 // A quarter of a displayed step, through the curve of the background that is there already.
-double find_floor(const Picture& picture, const Primary& primary) {
+double find_floor(const PictureParams& params, const Picture& picture, const Primary& primary) {
   std::vector<const HdrImage*> layers{&picture.background};
   for (const ObjectLayers& object : picture.objects) layers.push_back(&object.direct);
-  return find_radiance_of_step(
-      make_tone_curve(composite(layers), make_coverage(primary), Exposure::kBackground, 0.18), 0.25);
+  const ToneMapping tone{ToneOperator::kGlobal, params.tone.key, params.tone.exposure};
+  return find_radiance_of_step(make_tone_curve(composite(layers), make_coverage(primary), tone).record, 0.25);
 }
 
 // All VPLs: as a list where they are few, else as a tree.
@@ -115,7 +115,7 @@ HdrImage shade_object(const PictureScene& scene, const PictureParams& params, st
 void shade_objects(const PictureScene& scene, const PictureParams& params, Picture& picture) {
   const std::int64_t path_count = find_path_count(scene.world, *params.vpl_count, params.seed);
   Lights lights;
-  lights.floor = find_floor(picture, scene.primary);
+  lights.floor = find_floor(params, picture, scene.primary);
   with_vpl_memory(*params.vpl_count, [&] {
     VplSet vpls = trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
     picture.vpl_count = vpls.count();
@@ -145,7 +145,7 @@ void shade_sets(const PictureScene& scene, const PictureParams& params, Picture&
   sets.sets = *params.sets;
   sets.paths = find_path_count(scene.world, *params.vpl_count, params.seed);
   for (const ObjectLayers& object : picture.objects) sets.clamps_per_m2.push_back(object.clamp_per_m2);
-  sets.floor = find_floor(picture, scene.primary);
+  sets.floor = find_floor(params, picture, scene.primary);
   sets.emission = params.emission;
   sets.seed = params.seed;
   sets.stream_name = scene.stream_name + ".vpls";
@@ -170,6 +170,7 @@ ReferenceParams make_params(const PictureParams& params, const PictureScene& sce
   } else {
     reference.fixed = params.paths;
   }
+  reference.tone = params.tone;
   reference.seed = params.seed;
   reference.stream_name = scene.stream_name;
   reference.background_stream_name = scene.background_stream_name;
@@ -248,7 +249,7 @@ Picture make_picture(const PictureParams& params) {
   }
   picture.image = add_layers(picture);
   const HdrImage coverage = make_coverage(scene.primary);
-  const ToneRecord tone = make_tone_curve(picture.image, coverage, Exposure::kBackground, 0.18);
+  const ToneCurve tone = make_tone_curve(picture.image, coverage, params.tone);
   picture.display = apply_tone_curve(picture.image, tone);
   picture.noise_display =
       show_noise(measure_pixel_noise(picture.image, standard_error, tone), params.width, params.height);

@@ -40,6 +40,7 @@ struct PictureParams {
   /// are measured.
   std::optional<int> sets;
   bool compensate = false;  ///< adds, by as many paths as indirect light has, what each object's clamp takes
+  ToneMapping tone;
   std::uint64_t seed = 1;
 };
 

@@ -47,7 +47,7 @@ PathMap take_share(PathMap map, const PathMap& least) {
 
 PathMaps allot_by(const TracedLayers& pilot, const PathMaps& maps, const HdrImage& coverage, int positions,
                   const ReferenceParams& params) {
-  return allot_paths(pilot, maps, coverage, positions, params.exposure, params.tone_key, params.target);
+  return allot_paths(pilot, maps, coverage, positions, params.tone, params.target);
 }
 
 PathMap make_no_paths(const PathMap& map) { return PathMap(map.size(), 0); }
@@ -76,8 +76,7 @@ ReferenceParams make_reference_params(const Study& study, const Family& family) 
   params.fixed = study.paths;
   params.target = study.noise_target;
   params.method = study.reference;
-  params.exposure = study.exposure;
-  params.tone_key = study.tone_key;
+  params.tone = study.planned_tone;
   params.seed = study.seed;
   params.stream_name = format_key(family);
   params.background_stream_name = name_background_stream(family);
@@ -211,9 +210,8 @@ constexpr double kTurnMargin = 1.1;
 // The object's error over the target.
 double find_miss(const FamilyLayers& layers, const HdrImage& coverage, const ReferenceParams& params) {
   const HdrImage reference = composite({&layers.background, &layers.direct, &layers.indirect});
-  const DisplayNoise noise =
-      measure_display_noise(reference, layers.standard_error, coverage,
-                            make_tone_curve(reference, coverage, params.exposure, params.tone_key));
+  const DisplayNoise noise = measure_display_noise(reference, layers.standard_error, coverage,
+                                                   make_tone_curve(reference, coverage, params.tone));
   return std::max(noise.object_mean / params.target.object_mean, noise.object_p99 / params.target.object_p99);
 }
 

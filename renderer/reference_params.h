@@ -13,8 +13,7 @@ struct ReferenceParams {
   ReferenceMethod method = ReferenceMethod::kPath;
   std::optional<PathCounts> fixed;  ///< the same at every pixel; else by a pilot for the target
   NoiseTarget target;
-  Exposure exposure = Exposure::kBackground;
-  double tone_key = 0.18;
+  ToneMapping tone;
   std::uint64_t seed = 1;
   std::string stream_name;             ///< the pilot's has another: it is thrown away
   std::string background_stream_name;  ///< the same for every material of the object

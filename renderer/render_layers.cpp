@@ -293,10 +293,12 @@ double find_floor(const VplJob& job, const ViewJob& view, const std::string& mat
   const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect"),
                  coverage = load("coverage"), reference = composite({&background, &direct, &indirect});
   const auto floor = [&](Exposure exposure) {
-    return find_radiance_of_step(make_tone_curve(reference, coverage, exposure, group.study.tone_key), 0.25);
+    const double key = group.study.planned_tone.key;
+    return find_radiance_of_step(
+        make_tone_curve(reference, coverage, {ToneOperator::kGlobal, key, exposure}).record, 0.25);
   };
   // A black background shows nothing; without a floor a point in the dark would take every VPL.
-  const double seen = floor(group.study.exposure);
+  const double seen = floor(group.study.planned_tone.exposure);
   return seen > 0 ? seen : floor(Exposure::kWhole);
 }
 

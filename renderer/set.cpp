@@ -147,7 +147,7 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   const std::string key = format_key(family);
   summary.noise[key] = loaded.noise;
   warn_of_emptiness(loaded, key, summary);
-  pictures.set_tone(key, loaded.tone);
+  pictures.set_tone(key, loaded.tone.record);
   const auto write = [&](const std::string& picture_key, const std::string& made_from,
                          const auto& make_indirect) {
     ++summary.pictures;

@@ -223,9 +223,9 @@ class SetPilotTracer {
   double cut(VplList list, std::uint64_t tree_seed) {
     const LightTree lights = make_light_tree(std::move(list), {tree_seed, 4});
     CutRecord record;
-    lit_.push_back(shade_lightcut(scene_.world, points_, lights, {scene_.materials[kObjectMaterial]}, clamps_,
-                                  {kPilotRatio, find_radiance_of_step(view_.tone(), 0.25), &totals_, false},
-                                  &record));
+    lit_.push_back(shade_lightcut(
+        scene_.world, points_, lights, {scene_.materials[kObjectMaterial]}, clamps_,
+        {kPilotRatio, find_radiance_of_step(view_.tone().record, 0.25), &totals_, false}, &record));
     return std::accumulate(record.sizes.begin(), record.sizes.end(), 0.0) /
            static_cast<double>(std::max<std::size_t>(1, record.sizes.size()));
   }

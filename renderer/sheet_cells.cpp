@@ -58,8 +58,9 @@ HdrImage measure_error(const SheetSource& source, const SheetCell& cell) {
   const auto load = [&](const char* content) { return source.layers.load(layer_name(cell.family, content)); };
   const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect");
   const HdrImage reference = composite({&background, &direct, &indirect});
-  const auto noise =
-      measure_pixel_noise(reference, load("standard_error"), find_tone(source, format_key(cell.family)));
+  ToneCurve tone = make_tone_curve(reference, load("coverage"), source.study.tone);
+  tone.record = find_tone(source, format_key(cell.family));
+  const auto noise = measure_pixel_noise(reference, load("standard_error"), tone);
   HdrImage steps(reference.width, reference.height, 1);
   std::transform(noise.begin(), noise.end(), steps.values.begin(),
                  [](double value) { return static_cast<float>(value); });

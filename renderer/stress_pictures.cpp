@@ -28,7 +28,7 @@ HdrImage make_room_picture() {
 
 LdrImage display(const HdrImage& image) {
   const HdrImage coverage(kSize, kSize, 1);
-  return apply_tone_curve(image, make_tone_curve(image, coverage, Exposure::kBackground, 0.18));
+  return apply_tone_curve(image, make_tone_curve(image, coverage, {}));
 }
 
 StressRow stress_hot_pixel() {

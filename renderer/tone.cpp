@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "renderer/local_tone.h"
 
 namespace equilux {
 namespace {
@@ -40,6 +41,53 @@ double mean_luminance(const HdrImage& image) {
   return sum / static_cast<double>(image.pixel_count());
 }
 
+// The record of the global operator.
+ToneRecord make_global_curve(const HdrImage& reference, const HdrImage& coverage,
+                             const ToneMapping& mapping) {
+  std::vector<double> values = collect_luminance(reference, coverage, mapping.exposure);
+  if (values.empty()) values = collect_luminance(reference, coverage, Exposure::kWhole);
+  ToneRecord tone;
+  tone.key = mapping.key;
+  tone.exposure = mapping.exposure == Exposure::kWhole ? "whole" : "background";
+  const double top = nearest_rank(values, 0.999);
+  const double mean = top > 0 ? mean_below(values, top) : mean_of(values);
+  if (!(mean > 0)) {
+    tone.log_average = 1;
+    return tone;
+  }
+  tone.delta = 1e-6 * mean;
+  double logs = 0;
+  for (double value : values) logs += std::log(tone.delta + value);
+  tone.log_average = std::exp(logs / static_cast<double>(values.size()));
+  tone.white = top * tone.key / tone.log_average;
+  return tone;
+}
+
+// Scaled luminance around each pixel; for some of them that of their own kind alone.
+std::vector<float> find_surrounds(const HdrImage& reference, const HdrImage& coverage, const ToneRecord& tone,
+                                  const ToneMapping& mapping) {
+  std::vector<double> scaled(reference.pixel_count());
+  for (std::size_t i = 0; i < scaled.size(); ++i)
+    scaled[i] = tone.key * std::max(0.0, luminance_of(reference.pixel(i))) / tone.log_average;
+  LocalTone local;
+  local.key = tone.key;
+  const auto look_at = [&](const std::vector<double>& weights) {
+    return choose_surrounds(
+        [&](int index) { return blur_gaussian(scaled, weights, reference.width, find_scale(local, index)); },
+        local);
+  };
+  const std::vector<double> of_all = look_at(std::vector<double>(scaled.size(), 1));
+  std::vector<float> surrounds(of_all.begin(), of_all.end());
+  if (mapping.exposure == Exposure::kWhole) return surrounds;
+  std::vector<double> outside(scaled.size());
+  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] = coverage.values[i] == 0;
+  const std::vector<double> of_outside = look_at(outside);
+  for (std::size_t i = 0; i < outside.size(); ++i) {
+    if (coverage.values[i] == 0) surrounds[i] = static_cast<float>(of_outside[i]);
+  }
+  return surrounds;
+}
+
 }  // namespace
 
 double encode_srgb(double linear) {
@@ -69,33 +117,24 @@ HdrImage composite(const std::vector<const HdrImage*>& layers) {
   return sum;
 }
 
-ToneRecord make_tone_curve(const HdrImage& reference, const HdrImage& coverage, Exposure exposure,
-                           double key) {
-  std::vector<double> values = collect_luminance(reference, coverage, exposure);
-  if (values.empty()) values = collect_luminance(reference, coverage, Exposure::kWhole);
-  ToneRecord tone;
-  tone.key = key;
-  tone.exposure = exposure == Exposure::kWhole ? "whole" : "background";
-  const double top = nearest_rank(values, 0.999);
-  const double mean = top > 0 ? mean_below(values, top) : mean_of(values);
-  if (!(mean > 0)) {
-    tone.log_average = 1;
-    return tone;
+ToneCurve make_tone_curve(const HdrImage& reference, const HdrImage& coverage, const ToneMapping& mapping) {
+  ToneCurve curve{make_global_curve(reference, coverage, mapping), {}};
+  if (mapping.operation == ToneOperator::kLocal) {
+    curve.record.tone_operator = "local";
+    curve.record.white = 0;
+    curve.surrounds = find_surrounds(reference, coverage, curve.record, mapping);
   }
-  tone.delta = 1e-6 * mean;
-  double logs = 0;
-  for (double value : values) logs += std::log(tone.delta + value);
-  tone.log_average = std::exp(logs / static_cast<double>(values.size()));
-  tone.white = top * key / tone.log_average;
-  return tone;
+  return curve;
 }
 
-std::array<double, 3> eval_display(const ToneRecord& tone, const float* rgb) {
+std::array<double, 3> eval_display(const ToneCurve& curve, std::size_t pixel, const float* rgb) {
+  const ToneRecord& tone = curve.record;
   const double world = luminance_of(rgb);
   if (!(world > 0)) return {0, 0, 0};
   const double scaled = tone.key * world / tone.log_average;
   const double burn = tone.white > 0 ? scaled / (tone.white * tone.white) : 0;
-  const double display = scaled * (1 + burn) / (1 + scaled);
+  const double around = curve.surrounds.empty() ? scaled : curve.surrounds[pixel];
+  const double display = scaled * (1 + burn) / (1 + around);
   std::array<double, 3> values{};
   for (std::size_t c = 0; c < 3; ++c) {
     values[c] = 255 * encode_srgb(std::clamp(rgb[c] * display / world, 0.0, 1.0));
@@ -108,10 +147,10 @@ double find_radiance_of_step(const ToneRecord& tone, double share) {
   return tone.key > 0 && tone.log_average > 0 ? share / 255 / 12.92 * tone.log_average / tone.key : 0;
 }
 
-LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone) {
+LdrImage apply_tone_curve(const HdrImage& image, const ToneCurve& tone) {
   LdrImage picture(image.width, image.height);
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-    const auto display = eval_display(tone, image.pixel(i));
+    const auto display = eval_display(tone, i, image.pixel(i));
     for (std::size_t c = 0; c < 3; ++c)
       picture.values[3 * i + c] = static_cast<std::uint8_t>(std::floor(display[c] + 0.5));
   }
@@ -119,7 +158,7 @@ LdrImage apply_tone_curve(const HdrImage& image, const ToneRecord& tone) {
 }
 
 std::vector<double> measure_pixel_noise(const HdrImage& reference, const HdrImage& standard_error,
-                                        const ToneRecord& tone) {
+                                        const ToneCurve& tone) {
   std::vector<double> noise(reference.pixel_count());
   for (std::size_t i = 0; i < noise.size(); ++i) {
     std::array<float, 3> low{}, high{};
@@ -127,7 +166,7 @@ std::vector<double> measure_pixel_noise(const HdrImage& reference, const HdrImag
       low[c] = std::max(0.0f, reference.pixel(i)[c] - standard_error.pixel(i)[c]);
       high[c] = reference.pixel(i)[c] + standard_error.pixel(i)[c];
     }
-    const auto below = eval_display(tone, low.data()), above = eval_display(tone, high.data());
+    const auto below = eval_display(tone, i, low.data()), above = eval_display(tone, i, high.data());
     for (std::size_t c = 0; c < 3; ++c) noise[i] = std::max(noise[i], (above[c] - below[c]) / 2);
   }
   return noise;
@@ -141,7 +180,7 @@ LdrImage show_noise(const std::vector<double>& noise, int width, int height) {
 }
 
 DisplayNoise measure_display_noise(const HdrImage& reference, const HdrImage& standard_error,
-                                   const HdrImage& coverage, const ToneRecord& tone) {
+                                   const HdrImage& coverage, const ToneCurve& tone) {
   const std::vector<double> noise = measure_pixel_noise(reference, standard_error, tone);
   std::vector<double> object, outside;
   for (std::size_t i = 0; i < noise.size(); ++i)

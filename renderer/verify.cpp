@@ -24,7 +24,7 @@ bool is_near(double a, double b) { return std::abs(a - b) <= kRounding * std::ma
 
 bool is_same(const ToneRecord& a, const ToneRecord& b) {
   return is_near(a.log_average, b.log_average) && is_near(a.white, b.white) && is_near(a.delta, b.delta) &&
-         is_near(a.key, b.key) && a.exposure == b.exposure;
+         is_near(a.key, b.key) && a.exposure == b.exposure && a.tone_operator == b.tone_operator;
 }
 
 bool is_black(const float* pixel) { return pixel[0] == 0 && pixel[1] == 0 && pixel[2] == 0; }
@@ -110,7 +110,7 @@ class FamilyVerifier {
 
   void verify_reference(const std::string& key) {
     const auto tone = set_.manifest.tones.find(key);
-    if (tone != set_.manifest.tones.end() && !is_same(tone->second, loaded_->tone))
+    if (tone != set_.manifest.tones.end() && !is_same(tone->second, loaded_->tone.record))
       add(key, "its tone curve in the manifest is not that of its layers");
     const auto record = set_.manifest.pictures.find(key);
     if (record == set_.manifest.pictures.end()) return;

@@ -35,6 +35,12 @@ Json common_recipe(const Recipes& recipes, const Object& object, int view) {
   return json;
 }
 
+void set_tone(Json& recipe, const ToneMapping& tone) {
+  recipe.set("tone_key", tone.key);
+  recipe.set("exposure", tone.exposure == Exposure::kWhole ? "whole" : "background");
+  if (tone.operation == ToneOperator::kLocal) recipe.set("tone_operator", "local");
+}
+
 }  // namespace
 
 Wanted enumerate_wanted(const Study& study, const std::string& only) {
@@ -90,8 +96,8 @@ std::string digest_family_recipe(const Recipes& recipes, const Family& family) {
   } else {
     const NoiseTarget& target = study.noise_target;
     json.set("object_mean", target.object_mean).set("object_p99", target.object_p99);
-    json.set("outside_mean", target.outside_mean).set("tone_key", study.tone_key);
-    json.set("exposure", study.exposure == Exposure::kWhole ? "whole" : "background");
+    json.set("outside_mean", target.outside_mean);
+    set_tone(json, study.planned_tone);
     if (study.reference == ReferenceMethod::kCompensated)
       json.set("reference", "compensated").set("reference_version", kCompensatedEstimator);
   }
@@ -112,6 +118,7 @@ std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition
     for (int level : recipes.study.clamp_levels) levels.push(level);
     json.set("levels", std::move(levels));
     json.set("reference", digest_family_recipe(recipes, family_of(condition)));
+    if (recipes.study.paths) set_tone(json, recipes.study.planned_tone);
   }
   json.set("emission", recipes.study.emission == Emission::kFull ? "full" : "lambertian");
   json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));

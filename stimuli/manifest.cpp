@@ -27,9 +27,11 @@ Manifest load_manifest(const std::filesystem::path& path) {
   const auto& tones = json.at("tones").as_array();
   for (std::size_t i = 0; i < tones.size(); ++i) {
     const Json& tone = tones[i];
-    const ToneRecord record{tone.at("log_average").as_double(), tone.at("white").as_double(),
-                            tone.at("delta").as_double(), tone.at("key").as_double(),
-                            tone.at("exposure").as_string()};
+    const Json* operation = tone.find("operator");
+    const ToneRecord record{
+        tone.at("log_average").as_double(), tone.at("white").as_double(),
+        tone.at("delta").as_double(),       tone.at("key").as_double(),
+        tone.at("exposure").as_string(),    operation ? operation->as_string() : "global"};
     if (!manifest.tones.emplace(tone.at("family").as_string(), record).second) {
       throw InputError(path.string(), fmt::format("/tones/{}/family", i), "each family once",
                        tone.at("family").as_string() + " again");
@@ -72,6 +74,7 @@ void save_manifest(const Manifest& manifest, const std::filesystem::path& path) 
     Json row;
     row.set("family", family).set("log_average", tone.log_average).set("white", tone.white);
     row.set("delta", tone.delta).set("key", tone.key).set("exposure", tone.exposure);
+    row.set("operator", tone.tone_operator);
     tones.push(std::move(row));
   }
   Json pictures{Json::Array{}};

@@ -31,6 +31,7 @@ struct ToneRecord {
   double delta = 0;
   double key = 0;
   std::string exposure;
+  std::string tone_operator = "global";
   bool operator==(const ToneRecord&) const = default;
 };
 

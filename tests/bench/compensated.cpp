@@ -85,7 +85,7 @@ void print_row(const Scene& scene, const std::string& key, const Options& option
     const HdrImage reference =
         composite({&outcome.layers.background, &outcome.layers.direct, &outcome.layers.indirect});
     outcome.noise = measure_display_noise(reference, outcome.layers.standard_error, coverage,
-                                          make_tone_curve(reference, coverage, Exposure::kBackground, 0.18));
+                                          make_tone_curve(reference, coverage, ToneMapping{}));
     outcome.rms = measure_rms(outcome.layers, coverage);
     return outcome;
   };

@@ -28,7 +28,7 @@ class Stage {
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     const HdrImage reference = composite({&layers.background, &layers.direct, &layers.indirect});
     const HdrImage coverage = make_coverage(primary_);
-    const ToneRecord tone = make_tone_curve(reference, coverage, Exposure::kBackground, 0.18);
+    const ToneCurve tone = make_tone_curve(reference, coverage, ToneMapping{});
     return {measure_display_noise(reference, layers.standard_error, coverage, tone), seconds};
   }
 

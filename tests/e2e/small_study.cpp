@@ -73,7 +73,7 @@ void save_small_manifest(const StudyFolder& folder, const Study& study) {
     add_picture(manifest, folder, key);
     manifest.pictures[key].standard_error =
         Json().set("object_mean", 0.1).set("object_p99", 0.2).set("outside_mean", 0.1);
-    manifest.tones[key] = {0.1, 1.0, 1e-7, study.tone_key, "background"};
+    manifest.tones[key] = {0.1, 1.0, 1e-7, study.tone.key, "background"};
   }
   save_manifest(manifest, folder.manifest());
 }

@@ -88,7 +88,7 @@ inline StudyFolder make_fake_study(const std::filesystem::path& root, const std:
     manifest.pictures[key] = save_fake_picture(folder, key, width, height);
     manifest.pictures[key].standard_error =
         Json().set("object_mean", 0.5).set("object_p99", 1.5).set("outside_mean", 0.5);
-    manifest.tones[key] = {0.1, 1.0, 1e-7, study.tone_key, "background"};
+    manifest.tones[key] = {0.1, 1.0, 1e-7, study.tone.key, "background"};
   }
   save_manifest(manifest, folder.manifest());
   return folder;

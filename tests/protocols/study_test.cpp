@@ -43,7 +43,7 @@ TEST_F(StudyFile, IsReadInFull) {
   EXPECT_EQ(study.width, 280);
   EXPECT_EQ(study.height, 210);
   EXPECT_EQ(study.clamp_levels.size(), 11u);
-  EXPECT_EQ(study.exposure, Exposure::kBackground);
+  EXPECT_EQ(study.tone.exposure, Exposure::kBackground);
   EXPECT_EQ(study.view_mode, ViewMode::kReferenceTurned);
   EXPECT_FALSE(study.paths) << "as many as the noise target asks for";
   EXPECT_EQ(study.emission, Emission::kLambertian);
@@ -65,6 +65,23 @@ TEST_F(StudyFile, TakesCompensatedReferencesWhereANoiseTargetRules) {
   EXPECT_EQ(load(fixed).reference, ReferenceMethod::kPath);
   EXPECT_EQ(refusal_of(with(fixed, "/reference", "compensated")),
             "/reference: expected path, since /paths fixes their number, got compensated");
+}
+
+TEST_F(StudyFile, PlansByItsOwnToneMappingUnlessItSaysOtherwise) {
+  EXPECT_EQ(load(pocket_).tone.operation, ToneOperator::kGlobal);
+  Study study = load(with(with(pocket_, "/tone_operator", "local"), "/tone_key", .25));
+  EXPECT_EQ(study.tone.operation, ToneOperator::kLocal);
+  EXPECT_EQ(study.planned_tone.operation, ToneOperator::kLocal);
+  EXPECT_EQ(study.planned_tone.key, .25);
+  Json planned;
+  planned.set("tone_key", .18).set("exposure", "whole");
+  study = load(with(with(pocket_, "/tone_operator", "local"), "/planned_tone", planned));
+  EXPECT_EQ(study.tone.exposure, Exposure::kBackground);
+  EXPECT_EQ(study.planned_tone.operation, ToneOperator::kGlobal);
+  EXPECT_EQ(study.planned_tone.exposure, Exposure::kWhole);
+  EXPECT_EQ(refusal_of(with(pocket_, "/tone_operator", "filmic")).substr(0, 16), "/tone_operator: ");
+  EXPECT_EQ(refusal_of(with(pocket_, "/planned_tone", planned.set("tone_key", 0))).substr(0, 23),
+            "/planned_tone/tone_key:");
 }
 
 TEST_F(StudyFile, WithoutAnyOneOfItsMembersNamesTheMember) {

@@ -65,7 +65,7 @@ struct Stage {
   DisplayNoise noise(const FamilyLayers& layers) const {
     const HdrImage reference = composite({&layers.background, &layers.direct, &layers.indirect});
     return measure_display_noise(reference, layers.standard_error, coverage,
-                                 make_tone_curve(reference, coverage, Exposure::kBackground, .18));
+                                 make_tone_curve(reference, coverage, ToneMapping{}));
   }
 };
 

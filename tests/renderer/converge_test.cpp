@@ -36,8 +36,8 @@ TruthLayers make_layers(double noise, RandomStream& random) {
       if (!object) layers.background.pixel(i)[c] = 1;
     }
   }
-  layers.tone = make_tone_curve(composite({&layers.background, &layers.indirect.mean}), layers.coverage,
-                                Exposure::kBackground, 0.18);
+  layers.tone =
+      make_tone_curve(composite({&layers.background, &layers.indirect.mean}), layers.coverage, ToneMapping{});
   return layers;
 }
 

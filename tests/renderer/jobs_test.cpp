@@ -282,5 +282,36 @@ TEST(Set, TakesOverLayersThatAnotherStudyMadeFromTheSame) {
   EXPECT_THAT(message_of<InputError>([&] { make_set(params); }), HasSubstr("expected a study folder"));
 }
 
+TEST(Set, ShowsLayersByAnotherToneMappingWithoutRendering) {
+  const test::TinyStudy study("many");
+  SetParams params = params_of(study, "set");
+  params.only = "G0-MS-ind-*";
+  const SetSummary first = make_set(params);
+  Json json;
+  json.set("extends", study.path().filename().string()).set("name", "retoned");
+  json.set("tone_operator", "local").set("tone_key", 0.3).set("exposure", "whole");
+  const Json by_itself = json;
+  json.set("planned_tone", parse_json(R"({"tone_key":0.18,"exposure":"background"})", ""));
+  const auto make = [&](const char* name, const Json& file) {
+    SetParams other = params;
+    other.study_path = study.folder() / (std::string(name) + ".json");
+    save_text(other.study_path, format_json(file));
+    other.folder = study.folder() / name;
+    other.reuse = {params.folder};
+    return make_set(other);
+  };
+  const SetSummary retoned = make("retoned", json);
+  EXPECT_EQ(retoned.layers_rendered, 0u);
+  EXPECT_EQ(retoned.layers_adopted, first.layers_rendered);
+  EXPECT_EQ(retoned.pictures_written, first.pictures_written);
+  const Manifest before = load_manifest(params.folder / "manifest.json"),
+                 after = load_manifest(study.folder() / "retoned/manifest.json");
+  for (const auto& [key, record] : before.pictures) EXPECT_NE(after.pictures.at(key).digest, record.digest);
+  EXPECT_EQ(after.tones.at("G0-MS-ind-ref-v0").tone_operator, "local");
+  EXPECT_EQ(before.tones.at("G0-MS-ind-ref-v0").tone_operator, "global");
+  // A study that does not say so has layers of its own where they are planned by what is displayed.
+  EXPECT_EQ(make("by-itself", by_itself).layers_rendered, 22u);
+}
+
 }  // namespace
 }  // namespace equilux

@@ -49,7 +49,7 @@ struct Stage {
   DisplayNoise noise(const FamilyLayers& layers) const {
     const HdrImage reference = composite({&layers.background, &layers.direct, &layers.indirect});
     const HdrImage coverage = make_coverage(primary);
-    const ToneRecord tone = make_tone_curve(reference, coverage, Exposure::kBackground, .18);
+    const ToneCurve tone = make_tone_curve(reference, coverage, ToneMapping{});
     return measure_display_noise(reference, layers.standard_error, coverage, tone);
   }
 };
@@ -105,7 +105,7 @@ double trace_with_kept_pilot(const Stage& stage, std::uint64_t seed) {
   const PathMaps few = make_fixed_maps(stage.primary, {16, 16, 16});
   const TracedLayers pilot = trace_layers(scene, few, seed, "kept.pilot", {}, none);
   const PathMaps maps = allot_paths(pilot, few, make_coverage(stage.primary), stage.primary.positions,
-                                    Exposure::kBackground, .18, {12, 24, 24});
+                                    ToneMapping{}, {12, 24, 24});
   const TracedLayers rest = trace_layers(scene, maps, seed, "kept", {}, none);
   double sum = 0;
   for (std::size_t i = 0; i < maps.background.size(); ++i) {

@@ -347,8 +347,8 @@ TEST(Set, NormalisedPicturesHaveTheMeanLuminanceOfTheUnclampedOnes) {
   for (float& value : clamped.values) value = static_cast<float>(value * factor);
   const HdrImage background = layer(family + ".background"), direct = layer(family + ".direct"),
                  indirect = layer(family + ".indirect");
-  const ToneRecord tone = make_tone_curve(composite({&background, &direct, &indirect}),
-                                          layer(family + ".coverage"), Exposure::kBackground, .18);
+  const ToneCurve tone = make_tone_curve(composite({&background, &direct, &indirect}),
+                                         layer(family + ".coverage"), ToneMapping{});
   const LdrImage made = apply_tone_curve(composite({&background, &direct, &clamped}), tone);
   const LdrImage picture = load_png(study.folder() / "set/pictures/G0-MS-ind-100-C9n-v0.png");
   int differing = 0, most = 0;
