@@ -3,23 +3,14 @@
 
 #include <chrono>
 #include <limits>
-#include <sys/resource.h>
 
 #include "renderer/compensation.h"
 #include "renderer/lightcut.h"
+#include "renderer/stopwatch.h"
 #include "renderer/tone.h"
 
 namespace equilux {
 namespace {
-
-double read_cpu_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 double read_wall_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -29,11 +20,11 @@ double read_wall_s() {
 class StageClock {
  public:
   StageClock(StageTimes* times, const char* stage)
-      : times_(times), stage_(stage), wall_s_(read_wall_s()), cpu_s_(read_cpu_s()) {}
+      : times_(times), stage_(stage), wall_s_(read_wall_s()), cpu_s_(measure_processor_seconds()) {}
   ~StageClock() {
     if (!times_) return;
     times_->wall_s[stage_] += read_wall_s() - wall_s_;
-    times_->cpu_s[stage_] += read_cpu_s() - cpu_s_;
+    times_->cpu_s[stage_] += measure_processor_seconds() - cpu_s_;
   }
   StageClock(const StageClock&) = delete;
   StageClock& operator=(const StageClock&) = delete;

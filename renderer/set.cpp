@@ -15,6 +15,7 @@
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
+#include "renderer/stopwatch.h"
 #include "renderer/timing.h"
 
 namespace equilux {
@@ -300,6 +301,9 @@ class SetMaker {
     timing_.layers_rendered = summary_.layers_rendered;
     timing_.pictures_written = summary_.pictures_written;
     for (const auto& [stage, seconds] : summary_.seconds) timing_.seconds[stage] += seconds;
+    timing_.processor_seconds = measure_processor_seconds() - processor_start_;
+    summary_.processor_seconds = timing_.processor_seconds;
+    summary_.peak_memory = measure_peak_memory();
     summary_.seconds = timing_.seconds;
     if (summary_.layers_rendered + summary_.pictures_written > 0) append_timing(own, timing_);
   }
@@ -312,6 +316,7 @@ class SetMaker {
   Recipes recipes_;
   SetSummary summary_;
   RunTiming timing_;
+  double processor_start_ = measure_processor_seconds();
 };
 
 }  // namespace
@@ -338,6 +343,10 @@ std::string format_summary(const SetSummary& summary) {
   text += fmt::format("{:<14}{:>10}\n", "stage", "seconds");
   for (const auto& [stage, seconds] : summary.seconds)
     text += fmt::format("{:<14}{:>10.1f}\n", stage, seconds);
+  if (summary.peak_memory > 0) {
+    text += fmt::format("{:<14}{:>10.1f}\n{:<14}{:>10.2f} GiB\n", "processors", summary.processor_seconds,
+                        "peak memory", summary.peak_memory / (1 << 30));
+  }
   const NoiseTarget& target = summary.target;
   text += fmt::format("\nStandard error of the references in steps of 255; target {:.1f}, {:.1f}, {:.1f}\n",
                       target.object_mean, target.object_p99, target.outside_mean);

@@ -30,6 +30,8 @@ struct SetSummary {
   std::size_t layers_rendered = 0;   ///< by this run
   std::size_t layers_adopted = 0;    ///< by this run, from other folders
   std::map<std::string, double> seconds;
+  double processor_seconds = 0;               ///< of all threads
+  double peak_memory = 0;                     ///< of the process; 0: not told. units: bytes
   std::map<std::string, DisplayNoise> noise;  ///< by key of the reference
   NoiseTarget target;
   std::map<std::int64_t, ErrorSummary> cut_errors;  ///< by VPL count, pooled over pictures by cuts

@@ -11,6 +11,7 @@
 #include "base/version.h"
 #include "renderer/isa.h"
 #include "renderer/parallel.h"
+#include "renderer/stopwatch.h"
 
 namespace equilux {
 namespace {
@@ -22,6 +23,7 @@ Json make_run(const RunTiming& timing) {
   run.set("producer_version", kVersion).set("finished_utc", format_utc_now()).set("host", find_host_name());
   run.set("isa", format_isa(current_isa())).set("threads", count_threads());
   run.set("layers_rendered", timing.layers_rendered).set("pictures_written", timing.pictures_written);
+  run.set("processor_seconds", timing.processor_seconds).set("peak_memory_bytes", measure_peak_memory());
   run.set("foreseen_work", timing.work).set("seconds", std::move(seconds));
   return run;
 }
@@ -86,12 +88,14 @@ LoggedProduct::LoggedProduct(WorkLog& log, std::string product)
     : log_(log),
       product_(std::move(product)),
       exceptions_(std::uncaught_exceptions()),
-      start_(std::chrono::steady_clock::now()) {}
+      start_(std::chrono::steady_clock::now()),
+      processor_start_(measure_processor_seconds()) {}
 
 LoggedProduct::~LoggedProduct() {
   if (std::uncaught_exceptions() > exceptions_) return;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  log_.add(fmt::format("{}: {:.2f} s", product_, seconds));
+  log_.add(fmt::format("{}: {:.2f} s, {:.2f} s of processors", product_, seconds,
+                       measure_processor_seconds() - processor_start_));
 }
 
 }  // namespace equilux

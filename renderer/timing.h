@@ -20,7 +20,8 @@ Json load_timing(const StudyFolder& folder);
 struct RunTiming {
   std::map<std::string, double> seconds;  ///< by stage
   std::size_t layers_rendered = 0, pictures_written = 0;
-  double work = 0;  ///< as it was foreseen, of layers. units: paths
+  double work = 0;               ///< as it was foreseen, of layers. units: paths
+  double processor_seconds = 0;  ///< of all threads. units: s
 };
 
 /// errors: InputError, StoreError
@@ -32,8 +33,9 @@ void join_timing(const StudyFolder& folder, const StudyFolder& share);
 /// Work done a second in this folder's runs; empty where none says. units: paths / s
 std::optional<double> find_speed(const StudyFolder& folder);
 
-/// render.log: a line for each product as soon as it is whole, with its seconds. No digest covers it, and
-/// what cannot be written there is lost: a log stops no work.
+/// render.log: a line for each product as soon as it is whole, with its seconds and those of processors,
+/// which tell more where others share the machine. No digest covers it, and what cannot be written there is
+/// lost: a log stops no work.
 class WorkLog {
  public:
   explicit WorkLog(const StudyFolder& folder);
@@ -56,6 +58,7 @@ class LoggedProduct {
   std::string product_;
   int exceptions_;
   std::chrono::steady_clock::time_point start_;
+  double processor_start_;
 };
 
 }  // namespace equilux

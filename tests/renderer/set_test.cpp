@@ -2,12 +2,15 @@
 #include "renderer/set.h"
 
 #include <algorithm>
+#include <fstream>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/digest.h"
 #include "base/error.h"
 #include "renderer/isa.h"
 #include "renderer/parallel.h"
+#include "renderer/timing.h"
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
 #include "stimuli/png_file.h"
@@ -158,6 +161,22 @@ TEST(Set, WindowsThatCannotBeUsedAreNotCopiedIntoTheFolder) {
   EXPECT_FALSE(fs::exists(study.folder() / "set/windows.json"));
   save_text(study.folder() / "windows.json", good);
   EXPECT_NO_THROW(render(study, "set", "G0-MS-ind-ref-v0"));
+}
+
+TEST(Set, TellsSecondsOfProcessorsAndTheMostMemory) {
+  const test::TinyStudy study;
+  const SetSummary summary = make_set({study.path(), study.folder() / "set"});
+  EXPECT_GT(summary.processor_seconds, 0);
+  EXPECT_GT(summary.peak_memory, 1e6);
+  const Json runs = load_timing({study.folder() / "set"});
+  EXPECT_EQ(runs.at(0).at("processor_seconds").as_double(), summary.processor_seconds);
+  EXPECT_GE(runs.at(0).at("peak_memory_bytes").as_double(), 1e6);
+  std::ifstream log(study.folder() / "set/render.log");
+  int lines = 0;
+  for (std::string line; std::getline(log, line); ++lines)
+    EXPECT_THAT(line, testing::ContainsRegex(
+                          "^20[-0-9T:.]+Z .+: [0-9]+[.][0-9]+ s, [0-9]+[.][0-9]+ s of processors$"));
+  EXPECT_GT(lines, 4);
 }
 
 TEST(Set, ADamagedTimingFileIsSaidBeforeTheWork) {
