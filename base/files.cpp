@@ -3,13 +3,16 @@
 
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <optional>
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/program.h"
 
 namespace equilux {
 namespace fs = std::filesystem;
@@ -50,21 +53,44 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-fs::path part_path(const fs::path& path, pid_t writer) {
-  return path.string() + fmt::format(".{}.part", writer);
+// Who writes a file: a folder may be seen from several machines, whose process numbers are their own.
+struct Writer {
+  pid_t process = 0;
+  std::string host;
+};
+
+fs::path part_path(const fs::path& path) {
+  return path.string() + fmt::format(".{}@{}.part", ::getpid(), find_host_name());
 }
 
-// The writer of a file named by part_path; 0 for any other name.
-pid_t find_writer(const fs::path& part) {
-  if (part.extension() != ".part") return 0;
-  const std::string number = part.stem().extension().string();
-  pid_t writer = 0;
-  const char* end = number.data() + number.size();
-  if (number.empty() || std::from_chars(number.data() + 1, end, writer).ptr != end) return 0;
+// The writer of a file named by part_path; empty for any other name.
+std::optional<Writer> find_writer(const fs::path& part) {
+  const std::string name = part.filename().string();
+  static constexpr std::string_view kEnd = ".part";
+  const std::size_t at = name.rfind('@');
+  if (!name.ends_with(kEnd) || at == std::string::npos || at + 1 >= name.size() - kEnd.size()) return {};
+  const std::size_t dot = name.rfind('.', at);
+  if (dot == std::string::npos || dot == 0) return {};
+  Writer writer{0, name.substr(at + 1, name.size() - kEnd.size() - at - 1)};
+  const char* end = name.data() + at;
+  if (std::from_chars(name.data() + dot + 1, end, writer.process).ptr != end || writer.process <= 0)
+    return {};
   return writer;
 }
 
 bool has_ended(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
+
+// A file takes seconds to write; that the process of another machine runs cannot be asked.
+constexpr auto kLongestWrite = std::chrono::hours(24);
+
+bool is_stale(const fs::path& part) {
+  const auto writer = find_writer(part);
+  if (!writer) return false;
+  if (writer->host == find_host_name()) return has_ended(writer->process);
+  std::error_code error;
+  const auto written = fs::last_write_time(part, error);
+  return !error && fs::file_time_type::clock::now() - written > kLongestWrite;
+}
 
 }  // namespace
 
@@ -117,7 +143,7 @@ void save_atomically(const fs::path& path, const std::function<void(const fs::pa
     throw StoreError(fmt::format("{}: cannot write: expected a regular file or a free name, got another kind",
                                  path.string()));
   }
-  const fs::path temporary = part_path(path, ::getpid());
+  const fs::path temporary = part_path(path);
   try {
     write(temporary);
     OpenFile(temporary, O_RDONLY).sync();
@@ -132,8 +158,7 @@ void save_atomically(const fs::path& path, const std::function<void(const fs::pa
 void remove_stale_parts(const fs::path& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const pid_t writer = find_writer(entry.path());
-    if (writer > 0 && has_ended(writer)) fs::remove(entry.path(), ignored);
+    if (is_stale(entry.path())) fs::remove(entry.path(), ignored);
   }
 }
 

@@ -30,7 +30,8 @@ void save_atomically(const std::filesystem::path& path,
 /// regular file's, so that save_text can succeed.
 void check_writable(const std::filesystem::path& path);
 
-/// Removes the half-written files that writers which no longer run on this machine left in a folder.
+/// Removes the half-written files that writers which no longer run left in a folder; those of another
+/// machine's writers, of which that cannot be known, a day after they were last written to.
 void remove_stale_parts(const std::filesystem::path& folder);
 
 /// Makes the folder and its parents. errors: StoreError.

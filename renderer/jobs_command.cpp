@@ -76,10 +76,11 @@ void check_words(const SubmitParams& params) {
     throw InputError("--out", "", "a folder, or the name of one to make", "\"" + folder.string() + "\"");
 }
 
-int run_submit(const SubmitOptions& options, const std::string& isa) {
+int run_submit(const SubmitOptions& options, const CommandLine& line) {
   SubmitParams params = options.params;
   check_words(params);
-  params.isa = isa;
+  params.isa = line.isa;
+  params.threads = line.threads;
   params.program = fs::canonical("/proc/self/exe");
   params.study_path = fs::absolute(params.study_path);
   params.folder = fs::absolute(params.folder);
@@ -92,7 +93,10 @@ int run_submit(const SubmitOptions& options, const std::string& isa) {
     return kExitOk;
   }
   save_scripts(jobs);
-  for (const std::string& number : submit_slurm(jobs)) fmt::print("job {}\n", number);
+  submit_slurm(jobs, [](const std::string& number) {
+    fmt::print("job {}\n", number);
+    std::fflush(stdout);
+  });
   return kExitOk;
 }
 
@@ -147,7 +151,7 @@ void add_submit(CLI::App& app, CommandLine& line) {
   submit->footer(
       "Example: equilux-render submit protocols/paper.json --out studies/paper --jobs 16 --isa v3");
   submit->callback(
-      [&line, options] { line.command = [options, &line] { return run_submit(*options, line.isa); }; });
+      [&line, options] { line.command = [options, &line] { return run_submit(*options, line); }; });
 }
 
 }  // namespace equilux

@@ -101,11 +101,12 @@ SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices) 
   jobs.gather_script = folder / "gather.sh";
   jobs.array_text =
       make_head(params, "equilux") + make_call(params, "set") +
-      fmt::format(" --threads \"${{SLURM_CPUS_PER_TASK:-0}}\" --job \"$SLURM_ARRAY_TASK_ID/{}\"\n",
+      fmt::format(" --threads {} --job \"$SLURM_ARRAY_TASK_ID/{}\"\n",
+                  params.threads > 0 ? std::to_string(params.threads) : "\"${SLURM_CPUS_PER_TASK:-0}\"",
                   params.count);
-  jobs.gather_text =
-      make_head(params, "equilux-gather") + make_call(params, "gather") +
-      fmt::format("\n{} verify {}\n", quote(params.program.string()), quote(params.folder.string()));
+  jobs.gather_text = make_head(params, "equilux-gather") + make_call(params, "gather") +
+                     fmt::format("\n{} verify {} --study {}\n", quote(params.program.string()),
+                                 quote(params.folder.string()), quote(params.study_path.string()));
   return jobs;
 }
 
@@ -120,11 +121,13 @@ std::vector<std::string> format_sbatch(const SlurmJobs& jobs) {
   return {format_array_call(jobs), format_gather_call(jobs, "JOB")};
 }
 
-std::vector<std::string> submit_slurm(const SlurmJobs& jobs) {
-  std::vector<std::string> numbers;
-  if (!jobs.indices.empty()) numbers.push_back(run_sbatch(format_array_call(jobs)));
-  numbers.push_back(run_sbatch(format_gather_call(jobs, numbers.empty() ? "" : numbers.front())));
-  return numbers;
+void submit_slurm(const SlurmJobs& jobs, const std::function<void(const std::string&)>& tell) {
+  std::string array;
+  if (!jobs.indices.empty()) {
+    array = run_sbatch(format_array_call(jobs));
+    tell(array);
+  }
+  tell(run_sbatch(format_gather_call(jobs, array)));
 }
 
 }  // namespace equilux

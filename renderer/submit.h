@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ struct SubmitParams {
   std::filesystem::path study_path, folder;
   int count = 1;                     ///< of shares
   std::string isa;                   ///< empty: the best of each machine
+  int threads = 0;                   ///< 0: as many as Slurm gives the step
   std::vector<std::string> options;  ///< of sbatch, without dashes, for both steps
 };
 
@@ -34,7 +36,8 @@ void save_scripts(const SlurmJobs& jobs);
 /// The two calls of sbatch; "JOB" stands for the array's number.
 std::vector<std::string> format_sbatch(const SlurmJobs& jobs);
 
-/// Calls sbatch; gives the numbers of the jobs. errors: InputError if sbatch is not there or refuses
-std::vector<std::string> submit_slurm(const SlurmJobs& jobs);
+/// Calls sbatch; `tell` gets the number of each job as soon as it is submitted. errors: InputError if sbatch
+/// is not there or refuses
+void submit_slurm(const SlurmJobs& jobs, const std::function<void(const std::string&)>& tell);
 
 }  // namespace equilux

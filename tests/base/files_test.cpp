@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/program.h"
 #include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
@@ -122,14 +123,23 @@ TEST(RemoveStaleParts, TakesWhatEndedWritersLeftAndNothingElse) {
   const pid_t ended = ::fork();
   if (ended == 0) ::_exit(0);
   ASSERT_EQ(::waitpid(ended, nullptr, 0), ended);
-  folder.write(fmt::format("a.json.{}.part", ended), "half");
-  folder.write(fmt::format("a.json.{}.part", ::getpid()), "being written");
-  for (const char* name :
-       {"a.json", "notes.part", "a.json..part", "a.json.12x.part", "a.json.-7.part", "7.part"})
+  const std::string host = find_host_name();
+  const auto stale = folder.write(fmt::format("a.json.{}@{}.part", ended, host), "half");
+  folder.write(fmt::format("a.json.{}@{}.part", ::getpid(), host), "being written");
+  // Another machine's process of that number may well run.
+  folder.write(fmt::format("a.json.{}@elsewhere.org.part", ended), "being written");
+  const auto old = folder.write(fmt::format("b.json.{}@elsewhere.org.part", ended), "half");
+  std::filesystem::last_write_time(old,
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+  for (const std::string& name :
+       {std::string("a.json"), std::string("notes.part"), "a.json.@" + host + ".part",
+        "a.json.12x@" + host + ".part", "a.json.-7@" + host + ".part", "7@" + host + ".part",
+        std::string("a.json.12@.part"), std::string("@.part")})
     folder.write(name, "a person's own");
   remove_stale_parts(folder.path());
-  EXPECT_EQ(folder.entry_count(), 7);
-  EXPECT_FALSE(std::filesystem::exists(folder / fmt::format("a.json.{}.part", ended)));
+  EXPECT_EQ(folder.entry_count(), 10);
+  EXPECT_FALSE(std::filesystem::exists(stale));
+  EXPECT_FALSE(std::filesystem::exists(old));
   remove_stale_parts(folder / "nowhere");
 }
 

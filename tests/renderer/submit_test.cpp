@@ -34,8 +34,9 @@ TEST(Submit, ListsSharesAsSlurmDoes) {
                                       "set/slurm/%j.log' '/x/a set/slurm/gather.sh'"}));
   EXPECT_THAT(jobs.array_text, HasSubstr("#SBATCH --time=2:00:00\n"));
   EXPECT_THAT(jobs.array_text, HasSubstr("--isa v3"));
-  EXPECT_THAT(jobs.gather_text, HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
-                                          "'/usr/bin/printf' verify '/x/a set'\n"));
+  EXPECT_THAT(jobs.gather_text,
+              HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
+                        "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json'\n"));
   EXPECT_EQ(format_sbatch(make_slurm_jobs(params, {})),
             std::vector<std::string>{
                 "sbatch --parsable --output='/x/a set/slurm/%j.log' '/x/a set/slurm/gather.sh'"});
@@ -82,7 +83,9 @@ TEST(Submit, GathersAfterTheArray) {
   const FakeSlurm slurm("echo \"$@\" >>\"$(dirname \"$0\")/log\"\necho '41;cluster'\n");
   const SlurmJobs jobs = make_slurm_jobs(make_params(folder.path()), {2, 3});
   save_scripts(jobs);
-  EXPECT_EQ(submit_slurm(jobs), (std::vector<std::string>{"41", "41"}));
+  std::vector<std::string> told;
+  submit_slurm(jobs, [&](const std::string& number) { told.push_back(number); });
+  EXPECT_EQ(told, (std::vector<std::string>{"41", "41"}));
   const std::string folder_name = jobs.array_script.parent_path().string();
   EXPECT_EQ(slurm.log(), "--parsable --array=2-3 --output=" + folder_name + "/%A-%a.log " +
                              jobs.array_script.string() + "\n--parsable --dependency=afterany:41 --output=" +
@@ -92,8 +95,27 @@ TEST(Submit, GathersAfterTheArray) {
 TEST(Submit, SaysWhatSlurmRefuses) {
   const TempFolder folder;
   const FakeSlurm slurm("echo 'no partition' >&2\nexit 1\n");
-  EXPECT_THAT(message_of<InputError>([&] { submit_slurm(make_slurm_jobs(make_params(folder.path()), {1})); }),
-              HasSubstr("expected a job that Slurm takes, got sbatch --parsable --array=1 "));
+  const auto tell = [](const std::string&) { FAIL() << "nothing was submitted"; };
+  EXPECT_THAT(
+      message_of<InputError>([&] { submit_slurm(make_slurm_jobs(make_params(folder.path()), {1}), tell); }),
+      HasSubstr("expected a job that Slurm takes, got sbatch --parsable --array=1 "));
+}
+
+TEST(Submit, TellsOfTheArrayAlsoWhereTheGatheringIsRefused) {
+  const TempFolder folder;
+  const FakeSlurm slurm("case \"$*\" in *dependency*) exit 1;; esac\necho 41\n");
+  std::vector<std::string> told;
+  const SlurmJobs jobs = make_slurm_jobs(make_params(folder.path()), {1});
+  EXPECT_THAT(message_of<InputError>(
+                  [&] { submit_slurm(jobs, [&](const std::string& number) { told.push_back(number); }); }),
+              HasSubstr("--dependency=afterany:41"));
+  EXPECT_EQ(told, std::vector<std::string>{"41"});
+}
+
+TEST(Submit, HandsThreadsOn) {
+  SubmitParams params = make_params("/x");
+  params.threads = 3;
+  EXPECT_THAT(make_slurm_jobs(params, {1}).array_text, HasSubstr(" --threads 3 --job "));
 }
 
 }  // namespace
