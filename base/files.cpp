@@ -97,6 +97,9 @@ bool is_stale(const fs::path& part) {
 std::string load_text(const fs::path& path, std::size_t max_bytes) {
   std::error_code error;
   if (fs::is_directory(path, error)) throw InputError(path.string(), "", "a file", "a folder");
+  // A pipe would be waited for.
+  if (path_exists(path) && !is_file(path))
+    throw InputError(path.string(), "", "a regular file", "another kind");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw InputError(path.string(), "", "a readable file", std::strerror(errno));
   std::string text;

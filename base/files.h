@@ -9,7 +9,8 @@
 
 namespace equilux {
 
-/// Whole text of a file. errors: InputError if missing, a folder, unreadable or larger than `max_bytes`.
+/// Whole text of a file. errors: InputError if missing, a folder, a pipe or device, unreadable or larger than
+/// `max_bytes`.
 std::string load_text(const std::filesystem::path& path, std::size_t max_bytes = std::size_t{64} << 20);
 
 /// True if something of this name is there; false also where it cannot be reached.

@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxStringBytes = 4096;
+constexpr std::size_t kMaxMembers =
+    256;  // twelve times what any of our objects has; they are searched in line
+constexpr std::size_t kMaxValues = 4'000'000;  // nine times what layers.json of the main study has
 
 std::string escape_pointer(std::string_view token) {
   std::string escaped;
@@ -57,7 +60,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     return add(Json(value));
   }
   bool string(string_t& value) override {
-    check_length(value);
+    check_string(value);
     return add(Json(std::move(value)));
   }
   bool binary(binary_t&) override { return false; }
@@ -66,8 +69,12 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool start_array(std::size_t) override { return open(Json(Json::Array{})); }
   bool end_array() override { return close(); }
   bool key(string_t& name) override {
-    open_.back().key = name.size() > kMaxStringBytes ? name.substr(0, 60) : name;
-    check_length(name);
+    open_.back().key = name.size() > kMaxStringBytes ? name.substr(0, 60) : std::string(name.c_str());
+    check_string(name);
+    if (open_.back().keys.size() == kMaxMembers) {
+      throw InputError(source_, pointer(), fmt::format("at most {} members in an object", kMaxMembers),
+                       "more");
+    }
     if (!open_.back().keys.insert(name).second) {
       throw InputError(source_, pointer(), "each member name once in an object", "a second one");
     }
@@ -99,13 +106,18 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     }
     return text;
   }
-  void check_length(const std::string& value) const {
+  void check_string(const std::string& value) const {
     if (value.size() > kMaxStringBytes) {
       throw InputError(source_, pointer(), fmt::format("strings of at most {} bytes", kMaxStringBytes),
                        fmt::format("{} bytes", value.size()));
     }
+    // A file's name would end there for the system, and a message on the screen.
+    if (value.find('\0') != std::string::npos)
+      throw InputError(source_, pointer(), "strings without zero bytes", "one");
   }
   bool add(Json value) {
+    if (++values_ > kMaxValues)
+      throw InputError(source_, pointer(), fmt::format("at most {} values in all", kMaxValues), "more");
     if (open_.empty()) {
       root_ = std::move(value);
     } else if (open_.back().value.is_array()) {
@@ -132,6 +144,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   std::string_view text_;
   std::string source_;
   std::vector<Level> open_;
+  std::size_t values_ = 0;
   Json root_;
 };
 
@@ -282,6 +295,29 @@ std::string describe_schema(const Json& schema) {
   throw InputError(source, pointer, describe_schema(*wanted), describe_json(*place));
 }
 
+// valijson compares all elements of an array with one another and keeps a line for each that fails, before it
+// counts them.
+void check_array_sizes(const Json& value, const Json& schema_part, const Json& schema,
+                       const std::string& place, std::string_view source) {
+  const Json& wanted = resolve(schema, schema_part);
+  if (value.is_array()) {
+    const Json* most = wanted.find("maxItems");
+    if (most && value.as_array().size() > static_cast<std::size_t>(most->as_int()))
+      throw InputError(source, place, describe_schema(wanted), describe_json(value));
+    const Json* items = wanted.find("items");
+    for (std::size_t i = 0; items && i < value.as_array().size(); ++i) {
+      if (value.at(i).is_array() || value.at(i).is_object())
+        check_array_sizes(value.at(i), *items, schema, fmt::format("{}/{}", place, i), source);
+    }
+  }
+  const Json* properties = value.is_object() ? wanted.find("properties") : nullptr;
+  if (!properties) return;
+  for (const auto& [name, member] : value.as_object()) {
+    if (const Json* part = properties->find(name))
+      check_array_sizes(member, *part, schema, place + "/" + escape_pointer(name), source);
+  }
+}
+
 Json sort_members(const Json& value) {
   if (value.is_array()) {
     Json::Array sorted;
@@ -398,6 +434,7 @@ std::string digest_json(const Json& value) { return digest_text(format_canonical
 
 void validate_json(const Json& value, std::string_view schema_text, std::string_view source) {
   const Json schema_value = parse_json(schema_text, "schema");
+  check_array_sizes(value, schema_value, schema_value, "", source);
   const nlohmann::json schema_document = nlohmann::json::parse(schema_text);
   const nlohmann::json document = nlohmann::json::parse(dump(value, -1));
   valijson::Schema schema;

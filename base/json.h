@@ -66,8 +66,8 @@ class Json {
 /// Array of strings.
 Json make_json(const std::vector<std::string>& values);
 
-/// errors: InputError naming `source`, line and column; duplicate keys, more than 64 levels, and strings of
-/// more than 4,096 bytes are refused.
+/// errors: InputError naming `source`, line and column; duplicate keys, more than 64 levels, 256 members in
+/// an object, 4 million values in all, and strings of more than 4,096 bytes or with a zero byte are refused.
 Json parse_json(std::string_view text, std::string_view source);
 
 /// Indented text with a final newline; numbers keep their shortest exact form. A number that is not finite is
@@ -80,8 +80,8 @@ std::string format_canonical_json(const Json& value);
 /// Digest of the canonical text.
 std::string digest_json(const Json& value);
 
-/// Checks against a JSON Schema (draft 7). errors: InputError with `source` and the JSON pointer of the
-/// deepest failure.
+/// Checks against a JSON Schema (draft 7), the lengths of arrays first. errors: InputError with `source` and
+/// the JSON pointer of the deepest failure.
 void validate_json(const Json& value, std::string_view schema, std::string_view source);
 
 /// Load, parse and validate.

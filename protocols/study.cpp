@@ -41,9 +41,21 @@ std::vector<Column> columns_of(const Block& block) {
   return columns;
 }
 
+// 33 times what the main study has, and 88,000 pictures.
+constexpr std::size_t kMostColumns = 4000;
+
 void check_blocks(const Study& study, const std::string& source) {
   std::set<Column> seen;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < study.blocks.size(); ++i) {
+    const Block& block = study.blocks[i];
+    count += block.geometries.size() * block.materials.size() * block.illuminations.size() *
+             block.vpl_counts.size();
+    if (count > kMostColumns) {
+      throw InputError(source, fmt::format("/blocks/{}", i),
+                       fmt::format("at most {} columns in all", kMostColumns),
+                       fmt::format("{} up to this block", count));
+    }
     for (const Column& column : columns_of(study.blocks[i])) {
       if (!seen.insert(column).second) {
         throw InputError(source, fmt::format("/blocks/{}", i), "columns that no other block has",
@@ -53,9 +65,25 @@ void check_blocks(const Study& study, const std::string& source) {
   }
 }
 
+// As enumerate_reference_materials, of a study whose objects are known.
+std::vector<std::string> reference_materials_of(const Study& study, const std::vector<Object>& objects,
+                                                const Object& object) {
+  std::vector<std::string> materials;
+  for (const Object& other : objects) {
+    const bool same_place = other.geometry == object.geometry && other.illumination == object.illumination;
+    if (same_place && other.material != object.material) materials.push_back(other.material);
+  }
+  if (!materials.empty()) return materials;
+  for (const std::string& material : study.reference_materials) {
+    if (material != object.material) materials.push_back(material);
+  }
+  return materials;
+}
+
 void check_reference_materials(const Study& study, const std::string& source) {
-  for (const Object& object : enumerate_objects(study)) {
-    if (enumerate_reference_materials(study, object).empty()) {
+  const std::vector<Object> objects = enumerate_objects(study);
+  for (const Object& object : objects) {
+    if (reference_materials_of(study, objects, object).empty()) {
       throw InputError(source, "/reference_materials",
                        fmt::format("a material other than {}, for the artifact references of {}",
                                    object.material, format_key(object)),
@@ -243,9 +271,10 @@ std::vector<Condition> enumerate_conditions(const Study& study) {
 std::vector<Family> enumerate_families(const Study& study) { return in_both_views(enumerate_objects(study)); }
 
 std::vector<Family> enumerate_references(const Study& study) {
-  std::vector<Object> objects = enumerate_objects(study);
-  for (const Object& object : enumerate_objects(study)) {
-    for (const std::string& material : enumerate_reference_materials(study, object)) {
+  const std::vector<Object> own = enumerate_objects(study);
+  std::vector<Object> objects = own;
+  for (const Object& object : own) {
+    for (const std::string& material : reference_materials_of(study, own, object)) {
       objects.push_back({object.geometry, material, object.illumination});
     }
   }
@@ -253,16 +282,7 @@ std::vector<Family> enumerate_references(const Study& study) {
 }
 
 std::vector<std::string> enumerate_reference_materials(const Study& study, const Object& object) {
-  std::vector<std::string> materials;
-  for (const Object& other : enumerate_objects(study)) {
-    const bool same_place = other.geometry == object.geometry && other.illumination == object.illumination;
-    if (same_place && other.material != object.material) materials.push_back(other.material);
-  }
-  if (!materials.empty()) return materials;
-  for (const std::string& material : study.reference_materials) {
-    if (material != object.material) materials.push_back(material);
-  }
-  return materials;
+  return reference_materials_of(study, enumerate_objects(study), object);
 }
 
 }  // namespace equilux

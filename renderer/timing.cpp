@@ -59,6 +59,7 @@ void join_timing(const StudyFolder& folder, const StudyFolder& share) {
   const Json more = load_timing(share);
   for (const Json& run : more.as_array()) runs.push(run);
   save_runs(folder, std::move(runs));
+  if (!is_file(share.log())) return;  // there is none, or a pipe that would be waited for
   std::ifstream lines(share.log());
   std::ofstream(folder.log(), std::ios::app) << lines.rdbuf();
 }

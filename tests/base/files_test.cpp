@@ -107,7 +107,14 @@ TEST(LoadText, RefusesMoreThanItsBoundAndTakesExactlyIt) {
               AllOf(HasSubstr(path.string()), HasSubstr("at most 999 bytes")));
 }
 
-TEST(LoadText, StopsAtItsBoundInAFileWithoutEnd) { EXPECT_THROW(load_text("/dev/zero", 100000), InputError); }
+TEST(LoadText, RefusesAPipeWithoutWaitingAndADeviceWithoutEnd) {
+  const TempFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const std::filesystem::path& path : {folder / "pipe", std::filesystem::path("/dev/zero")}) {
+    EXPECT_THAT(message_of<InputError>([&] { load_text(path); }),
+                AllOf(HasSubstr(path.string()), HasSubstr("expected a regular file, got another kind")));
+  }
+}
 
 TEST(LoadText, NamesAMissingFileAndAFolder) {
   const TempFolder folder;

@@ -54,6 +54,20 @@ TEST(ValidateJson, NamesAnAdditionalMember) {
       AllOf(StartsWith("a.json: /"), HasSubstr("only the members name, kind"), HasSubstr("\"nmae\"")));
 }
 
+// All pairs of 30,000 equal elements would fail, each with a line of its own.
+TEST(ValidateJson, CountsElementsBeforeItComparesThem) {
+  constexpr const char* kUnique = R"({
+    "type": "object", "properties": {"set": {"type": "array", "maxItems": 4, "uniqueItems": true}}
+  })";
+  std::string ones = "1";
+  for (int i = 1; i < 30000; ++i) ones += ",1";
+  EXPECT_EQ(
+      message_of<InputError>(
+          [&] { validate_json(parse_json("{\"set\": [" + ones + "]}", "a.json"), kUnique, "a.json"); }),
+      "a.json: /set: expected array with element count at most 4 without repetition, got an array of 30000 "
+      "elements");
+}
+
 TEST(ValidateJson, PointsAtTheDeepestFailure) {
   const std::pair<const char*, const char*> cases[] = {
       {R"({"name": 7})", "a.json: /name: expected string"},

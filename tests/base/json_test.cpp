@@ -68,6 +68,26 @@ TEST(ParseJson, BoundsItsStringsAndNames) {
   EXPECT_THAT(refusal_of("{" + quoted(5000) + ": 1}"), HasSubstr("at most 4096 bytes"));
 }
 
+TEST(ParseJson, RefusesAZeroByteInAString) {
+  EXPECT_EQ(refusal_of(R"({"a": ["b\u0000c"]})"),
+            "a.json: /a/0: expected strings without zero bytes, got one");
+  EXPECT_EQ(refusal_of(R"({"a\u0000b": 1})"), "a.json: /a: expected strings without zero bytes, got one");
+}
+
+TEST(ParseJson, BoundsItsMembersAndValues) {
+  const auto object_of = [](int members) {
+    std::string text = "{";
+    for (int i = 0; i < members; ++i) text += fmt::format("{}\"m{}\": 0", i ? ", " : "", i);
+    return text + "}";
+  };
+  EXPECT_EQ(parse_json(object_of(256), "a.json").as_object().size(), 256u);
+  EXPECT_THAT(refusal_of("{\"a\": " + object_of(257) + "}"),
+              AllOf(StartsWith("a.json: /a/"), HasSubstr("at most 256 members in an object, got more")));
+  std::string zeros = "[0";
+  for (int i = 1; i < 4'000'000; ++i) zeros += ",0";
+  EXPECT_THAT(refusal_of(zeros + "]"), HasSubstr("at most 4000000 values in all, got more"));
+}
+
 TEST(ParseJson, RefusesANumberBeyondDouble) {
   EXPECT_THAT(refusal_of("[1e400]"), HasSubstr("a.json: "));
   EXPECT_EQ(parse_json("[1e-400]", "a").at(0).as_double(), 0);

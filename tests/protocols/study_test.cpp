@@ -170,6 +170,30 @@ TEST_F(StudyFile, WithOneCountInTwoSpellingsIsRefused) {
               StartsWith("/blocks/0"));
 }
 
+// 64 x 64 x 2 x 32 in one block of a kilobyte.
+TEST_F(StudyFile, OfTooManyColumnsIsRefusedBeforeTheyAreMade) {
+  std::vector<std::string> tokens, counts;
+  for (int i = 0; i < 64; ++i) tokens.push_back(fmt::format("X{}", i));
+  for (int i = 1; i <= 32; ++i) counts.push_back(fmt::format("{}k", i));
+  Json block;
+  block.set("geometries", make_json(tokens)).set("materials", make_json(tokens));
+  block.set("illuminations", make_json({"ind", "dir"})).set("vpl_counts", make_json(counts));
+  EXPECT_EQ(refusal_of(with(pocket_, "/blocks/1", block)),
+            "/blocks/1: expected at most 4000 columns in all, got 262152 up to this block");
+}
+
+TEST_F(StudyFile, OfAsManyColumnsAsAreAllowedIsReadAndEnumeratedAtOnce) {
+  std::vector<std::string> geometries, materials;
+  for (int i = 0; i < 50; ++i) geometries.push_back(fmt::format("X{}", i));
+  for (int i = 0; i < 40; ++i) materials.push_back(fmt::format("Y{}", i));
+  Json block;
+  block.set("geometries", make_json(geometries)).set("materials", make_json(materials));
+  block.set("illuminations", make_json({"ind", "dir"})).set("vpl_counts", make_json({"1k"}));
+  const Study study = load(with(pocket_, "/blocks", Json(Json::Array{block})));
+  EXPECT_EQ(enumerate_columns(study).size(), 4000u);
+  EXPECT_EQ(enumerate_references(study).size(), 8000u) << "each material is a reference of the others";
+}
+
 TEST_F(StudyFile, WithoutAReferenceMaterialSaysForWhichObject) {
   EXPECT_THAT(
       refusal_of(without(normalisation_, "/reference_materials")),
