@@ -16,8 +16,9 @@ struct ExrFile {
   ExrMetadata metadata;  ///< the string attributes
 };
 
-/// Reads channels R, G, B, or Y alone. errors: InputError for a missing, damaged, other or larger than 16,384
-/// x 16,384 file, and for values that are not finite.
+/// Reads channels R, G, B, or Y alone, of one part in scan lines, compressed without loss. errors: InputError
+/// for a missing, damaged, other or larger than 16,384 x 16,384 file, for one that declares more pixels than
+/// its bytes can hold, and for values that are not finite.
 ExrFile load_exr(const std::filesystem::path& path);
 
 /// 32-bit float, ZIP. The same picture and metadata always give the same bytes.

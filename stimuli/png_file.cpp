@@ -12,6 +12,7 @@ namespace equilux {
 namespace {
 
 constexpr png_uint_32 kMaxSide = 16384;
+constexpr std::size_t kMostInflated = 1032;  // bytes that deflate can make of one
 
 struct PngImage : png_image {
   PngImage() : png_image{} { version = PNG_IMAGE_VERSION; }
@@ -31,6 +32,12 @@ LdrImage load_png(const std::filesystem::path& path) {
   if (png.width > kMaxSide || png.height > kMaxSide) {
     throw InputError(path.string(), "", fmt::format("at most {} x {} pixels", kMaxSide, kMaxSide),
                      fmt::format("{} x {}", png.width, png.height));
+  }
+  // A row takes at least a bit a pixel and a byte for its filter: what cannot be in the file gets no memory.
+  if ((png.width / 8 + std::size_t{1}) * png.height > kMostInflated * bytes.size()) {
+    throw InputError(path.string(), "",
+                     fmt::format("the {} x {} pixels that it declares", png.width, png.height),
+                     fmt::format("{} bytes, too few for them", bytes.size()));
   }
   png.format = PNG_FORMAT_RGB;
   LdrImage image(static_cast<int>(png.width), static_cast<int>(png.height));

@@ -9,7 +9,8 @@
 namespace equilux {
 
 /// Loads a PNG of any colour type as 8-bit sRGB; a file that names another gamma is converted.
-/// errors: InputError for a missing, damaged or larger than 16,384 x 16,384 file.
+/// errors: InputError for a missing, damaged or larger than 16,384 x 16,384 file, and for one that declares
+/// more pixels than its bytes can hold.
 LdrImage load_png(const std::filesystem::path& path);
 
 /// The bytes of a PNG file; the same picture always gives the same ones.

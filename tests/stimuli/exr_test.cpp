@@ -165,6 +165,32 @@ TEST(Exr, CutOffAnywhereIsRefused) {
     expect_refused(folder.write("a.exr", std::string_view(whole).substr(0, whole.size() - missing)));
 }
 
+// OpenEXR would take gigabytes for each before it reads a pixel.
+TEST(Exr, WithAHeaderThatItsBytesCannotKeepIsRefusedBeforeMemoryIsTaken) {
+  const std::string corpus = EQUILUX_SOURCE_DIR "/tests/fuzz/corpus/exr/";
+  expect_refused(corpus + "declares-16384-squared",
+                 "no more pixels than 335 bytes can hold, got 16384 x 16384");
+  expect_refused(corpus + "string-of-2-gib",
+                 "header: expected one that ends within 65536 bytes, got none in 335");
+  expect_refused(corpus + "string-of-negative", "attributes with a size, got -1");
+  expect_refused(corpus + "channels-of-another-size", "attributes of plain types, each of its size");
+  expect_refused(corpus + "window-far", "a corner within 16777216 pixels of the origin");
+  const TempFolder folder;
+  save_exr(HdrImage(16384, 300, 3), {}, folder / "a.exr");
+  EXPECT_EQ(load_exr(folder / "a.exr").image.values.size(), 16384u * 300 * 3)
+      << "as small as a file of black can be";
+}
+
+TEST(Exr, InTilesOrPartsOrWithALossIsRefused) {
+  const std::string corpus = EQUILUX_SOURCE_DIR "/tests/fuzz/corpus/exr/";
+  expect_refused(corpus + "tiled-y",
+                 "version: expected 2, of one part and in scan lines, got 2, with the flags 0x2");
+  for (const char* name : {"pxr24-y", "b44-half", "b44a-half", "dwaa-rgb", "dwab-rgb"})
+    expect_refused(corpus + name, "compression: expected one without loss: none, RLE, ZIPS, ZIP or PIZ");
+  for (const char* name : {"none-y", "rle-y", "zips-y", "zip-y", "piz-y", "zip-rgb"})
+    EXPECT_EQ(load_exr(corpus + name).image.values.at(0), .5f) << name;
+}
+
 TEST(Exr, ThatIsNoneOrMissingOrAFolderIsRefused) {
   const TempFolder folder;
   expect_refused(folder.write("a.exr", "a text that says it is a picture"), "a whole EXR file");

@@ -75,6 +75,15 @@ TEST(Png, WithAHeaderOfTooManyPixelsIsRefusedWithBothNumbers) {
   expect_refused(folder.write("a.png", encode_png(wide)), "at most 16384 x 16384 pixels, got 20000 x 1");
 }
 
+// A header alone would cost 805 MB.
+TEST(Png, ThatDeclaresMorePixelsThanItsBytesCanHoldIsRefusedBeforeMemoryIsTaken) {
+  const TempFolder folder;
+  const std::string path = EQUILUX_SOURCE_DIR "/tests/fuzz/corpus/png/declares-16384-squared";
+  expect_refused(path, "expected the 16384 x 16384 pixels that it declares, got 66 bytes, too few for them");
+  save_png(LdrImage(16384, 300), folder / "a.png");
+  EXPECT_EQ(load_png(folder / "a.png"), LdrImage(16384, 300)) << "as small as a file of black can be";
+}
+
 TEST(Png, ThatIsMissingOrAFolderIsNamed) {
   const TempFolder folder;
   expect_refused(folder / "missing.png");
