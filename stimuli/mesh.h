@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "stimuli/vec.h"
@@ -35,13 +36,13 @@ struct MeshRepairs {
 /// their angle there, over all that are within 80 degrees of the face: sharper edges stay sharp. Adds to
 /// `repairs`. shape: normals alike in length, or none.
 /// source: Thuermer and Wuethrich, "Computing vertex normals from polygonal facets", JGT 3(1), 1998
-/// (weights).
-TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs);
+/// (weights). errors: InputError naming `source` for over 10,000 triangles at one point.
+TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs, const std::string& source);
 
 /// Reads any format that assimp knows; all its parts as one mesh, repaired, with smooth normals. An STL's
-/// normals are its faces' and not kept. Adds to `repairs`.
-/// errors: InputError for a file that is missing, no mesh, without triangles, or with coordinates that are
-/// not finite.
+/// normals are its faces' and not kept. Of further files that it names only those in its folder or below are
+/// read. Adds to `repairs`. errors: InputError for a file that is missing, no mesh, over 1 GiB, a PLY that is
+/// not what its header says (ply_check.h), without triangles, or with coordinates that are not finite.
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs = nullptr);
 
 /// Joins b to a; missing normals become flat ones first if only one of the two has them.

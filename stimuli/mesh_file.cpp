@@ -1,4 +1,5 @@
 // The one file that knows assimp.
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -9,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "stimuli/mesh.h"
+#include "stimuli/ply_check.h"
 
 namespace equilux {
 namespace {
@@ -74,25 +76,44 @@ void check_part(const aiMesh& part, const std::string& source) {
   }
 }
 
-// assimp 5.2 reads a PLY header without an end for ever.
-void check_ply_header(const std::filesystem::path& path) {
-  constexpr std::size_t kMaxHeaderBytes = 1 << 16;
-  std::string start(kMaxHeaderBytes, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(start.data(), kMaxHeaderBytes);
-  start.resize(static_cast<std::size_t>(stream.gcount()));
-  const bool is_ply = start.starts_with("ply") || start.starts_with("PLY");
-  if (is_ply && start.find("end_header") == std::string::npos) {
-    throw InputError(path.string(), "", "a PLY header that ends within 65,536 bytes", "none");
+// Meshes name further files: of these only regular ones in the mesh's own folder or below are there.
+class FilesBeside : public Assimp::DefaultIOSystem {
+ public:
+  explicit FilesBeside(const std::filesystem::path& mesh)
+      : mesh_(mesh.string()), folder_(mesh.parent_path()) {}
+
+  bool Exists(const char* name) const override { return is_open_to(name); }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    return is_open_to(name) ? DefaultIOSystem::Open(name, mode) : nullptr;
   }
+
+ private:
+  bool is_open_to(const std::filesystem::path& name) const {
+    if (name == mesh_) return true;
+    const auto beside = name.lexically_normal().lexically_relative((folder_ / ".").lexically_normal());
+    return !beside.empty() && *beside.begin() != ".." && is_file(name);
+  }
+
+  std::filesystem::path mesh_, folder_;
+};
+
+// Twenty million triangles as PLY.
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
+
+void check_file(const std::filesystem::path& path) {
+  if (!is_file(path)) throw InputError(path.string(), "", "a mesh file", "no such file");
+  if (const std::uintmax_t bytes = std::filesystem::file_size(path); bytes > kMaxFileBytes)
+    throw InputError(path.string(), "", fmt::format("at most {} bytes", kMaxFileBytes),
+                     fmt::format("{}", bytes));
+  check_ply(path);
 }
 
 }  // namespace
 
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) {
-  if (!is_file(path)) throw InputError(path.string(), "", "a mesh file", "no such file");
-  check_ply_header(path);
+  check_file(path);
   Assimp::Importer importer;
+  importer.SetIOHandler(new FilesBeside(path));  // which it deletes
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_part(*scene->mMeshes[i], path.string());
@@ -108,7 +129,7 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
   const bool with_normals = !has_extension(path, ".stl");
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)
     append_mesh(parts, to_mesh(*scene->mMeshes[i], with_normals, found));
-  TriangleMesh mesh = repair_mesh(parts, found);
+  TriangleMesh mesh = repair_mesh(parts, found, path.string());
   if (has_extension(path, ".obj"))
     found.duplicate_vertices = known_duplicates + count_duplicates_of_obj(path);
   if (mesh.triangles.empty())

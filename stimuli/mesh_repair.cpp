@@ -3,6 +3,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/error.h"
 #include "stimuli/mesh.h"
 
 namespace equilux {
@@ -10,6 +11,8 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
+// At one point: every pair of them is looked at.
+constexpr std::size_t kMaxTrianglesAtPoint = 10000;
 constexpr float kCosCrease = 0.173648f;  // of 80 degrees
 
 /// One place of the mesh, however many vertices stand there.
@@ -158,7 +161,7 @@ void add_point(TriangleMesh& mesh, const Welded& welded, const std::vector<Face>
 
 }  // namespace
 
-TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs) {
+TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs, const std::string& source) {
   const Welded welded = weld_vertices(mesh.positions);
   repairs.duplicate_vertices += mesh.positions.size() - welded.points.size();
   const std::vector<Face> faces = keep_faces(welded, mesh.triangles, repairs);
@@ -166,6 +169,10 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs) {
   TriangleMesh repaired;
   repaired.triangles.resize(faces.size());
   for (std::vector<Corner>& corners : gather_corners(faces, welded.points)) {
+    if (corners.size() > kMaxTrianglesAtPoint) {
+      throw InputError(source, "", fmt::format("at most {} triangles at one point", kMaxTrianglesAtPoint),
+                       fmt::format("{}", corners.size()));
+    }
     repairs.non_manifold_vertices += assign_fans(faces, corners) > 1;
     add_point(repaired, welded, faces, corners, mesh.normals);
   }

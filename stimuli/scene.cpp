@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 constexpr float kViewTurnDegrees = 15;
 constexpr std::size_t kMaxGroupParts = 10000;
+constexpr std::size_t kMaxUseDepth = 64;
 
 GlossModel parse_gloss_model(const std::string& name) {
   if (name == "ward") return GlossModel::kWard;
@@ -173,23 +174,56 @@ std::vector<MeshUse> find_uses(const Json& json, const std::string& place) {
   return uses;
 }
 
+// What a mesh comes to, files left out.
+struct MeshSize {
+  std::size_t parts = 1, triangles = 0, depth = 1;
+};
+
+// As many as its generator makes at most; what is a file's is counted when it is read.
+std::size_t count_own_triangles(const Json& json) {
+  const auto number = [](const Json& spec, const char* member) {
+    return static_cast<std::size_t>(spec.at(member).as_int());
+  };
+  const auto length = [](const Json& spec, const char* member) { return spec.at(member).as_array().size(); };
+  if (const Json* lathe = json.find("lathe"))
+    return 2 * number(*lathe, "segments") * length(*lathe, "profile");
+  if (const Json* sweep = json.find("sweep"))
+    return 2 * number(*sweep, "segments") * number(*sweep, "steps") * length(*sweep, "points");
+  if (const Json* extrude = json.find("extrude")) return 4 * length(*extrude, "outline");
+  for (const char* kind : {"sphere", "blob"}) {
+    if (const Json* round = json.find(kind)) return std::size_t{20} << 2 * number(*round, "subdivisions");
+  }
+  return json.find("group") || json.find("scatter") ? 0 : 12;
+}
+
+void check_triangles(std::size_t triangles, const std::string& source, const std::string& place) {
+  if (triangles > kMaxTriangles)
+    throw InputError(source, place, fmt::format("at most {} triangles", kMaxTriangles), "more");
+}
+
 // Groups and scatters may use only meshes that stand before them, which keeps them free of cycles.
-// `parts` counts what each mesh comes to; a group of groups of groups must not outgrow memory.
+// `sizes` counts what each mesh comes to; a group of groups of groups must not outgrow memory, nor the stack.
 void check_uses(const Json& json, const std::map<std::string, Json>& known,
-                std::map<std::string, std::size_t>& parts, const std::string& source,
-                const std::string& place) {
-  std::size_t count = 1;
+                std::map<std::string, MeshSize>& sizes, const std::string& source, const std::string& place) {
+  MeshSize size{1, count_own_triangles(json), 1};
   for (const MeshUse& use : find_uses(json, place)) {
     if (!known.contains(use.name)) {
       throw InputError(source, use.place, "a mesh that stands before this one",
                        fmt::format("\"{}\"", use.name));
     }
-    count += use.times * parts[use.name];
-    if (count > kMaxGroupParts) {
+    const MeshSize& used = sizes[use.name];
+    size.parts += use.times * used.parts;
+    size.triangles += use.times * used.triangles;
+    size.depth = std::max(size.depth, used.depth + 1);
+    if (size.parts > kMaxGroupParts)
       throw InputError(source, use.place, fmt::format("at most {} parts in all", kMaxGroupParts), "more");
-    }
+    if (size.depth > kMaxUseDepth)
+      throw InputError(source, use.place,
+                       fmt::format("at most {} meshes made from one another", kMaxUseDepth), "more");
+    check_triangles(size.triangles, source, use.place);
   }
-  parts[json.at("name").as_string()] = count;
+  check_triangles(size.triangles, source, place);
+  sizes[json.at("name").as_string()] = size;
 }
 
 template <typename Check>
@@ -202,14 +236,16 @@ void check_known(bool known, const std::string& source, const std::string& place
   if (!known) throw InputError(source, place, fmt::format("a {} of this scene", what), describe_json(got));
 }
 
-void read_meshes(Scene& scene, const Json& json, const std::string& source) {
-  std::map<std::string, std::size_t> parts;
+std::map<std::string, MeshSize> read_meshes(Scene& scene, const Json& json, const std::string& source) {
+  std::map<std::string, MeshSize> sizes;
   for_each_row(json.at("meshes"), "/meshes", [&](const Json& row, const std::string& place) {
-    check_uses(row, scene.meshes, parts, source, place);
-    if (!scene.meshes.emplace(row.at("name").as_string(), check_mesh(row, source, place)).second) {
+    const Json mesh = check_mesh(row, source, place);
+    check_uses(row, scene.meshes, sizes, source, place);
+    if (!scene.meshes.emplace(row.at("name").as_string(), mesh).second) {
       throw InputError(source, place + "/name", "each name once", describe_json(row.at("name")) + " again");
     }
   });
+  return sizes;
 }
 
 void read_materials(Scene& scene, const Json& json, const std::string& source) {
@@ -222,14 +258,17 @@ void read_materials(Scene& scene, const Json& json, const std::string& source) {
   });
 }
 
-void read_instances(Scene& scene, const Json& json, const std::string& source) {
+void read_instances(Scene& scene, const Json& json, const std::map<std::string, MeshSize>& sizes,
+                    const std::string& source) {
   std::set<std::string> materials;
+  std::size_t triangles = 0;
   for (const auto& material : scene.materials) materials.insert(material.name);
   for_each_row(json.at("instances"), "/instances", [&](const Json& row, const std::string& place) {
     check_known(scene.meshes.contains(row.at("mesh").as_string()), source, place + "/mesh", "mesh",
                 row.at("mesh"));
     check_known(materials.contains(row.at("material").as_string()), source, place + "/material", "material",
                 row.at("material"));
+    check_triangles(triangles += sizes.at(row.at("mesh").as_string()).triangles, source, place + "/mesh");
     scene.instances.push_back(
         {row.at("mesh").as_string(), row.at("material").as_string(), make_placement(row)});
   });
@@ -338,8 +377,8 @@ Scene load_scene(const fs::path& path) {
   scene.path = path;
   read_camera(scene, json.at("camera"), source);
   read_materials(scene, json, source);
-  read_meshes(scene, json, source);
-  read_instances(scene, json, source);
+  const auto sizes = read_meshes(scene, json, source);
+  read_instances(scene, json, sizes, source);
   read_object(scene, json, source);
   read_lights(scene, json, source);
   return scene;

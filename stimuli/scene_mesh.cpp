@@ -71,6 +71,15 @@ TriangleMesh make_extrude(const Json& spec) {
   return equilux::make_extrude(std::move(outline), to_float(spec.at("height")));
 }
 
+// Generated meshes are bounded when the scene is read; those of files only here.
+void check_sum(const Scene& scene, std::size_t triangles) {
+  if (triangles > kMaxTriangles) {
+    throw InputError(scene.path.string(), "/meshes",
+                     fmt::format("at most {} triangles in a mesh", kMaxTriangles),
+                     fmt::format("{}", triangles));
+  }
+}
+
 TriangleMesh make_scatter(const Scene& scene, const Json& spec) {
   ScatterParams params;
   params.count = static_cast<int>(spec.at("count").as_int());
@@ -80,8 +89,9 @@ TriangleMesh make_scatter(const Scene& scene, const Json& spec) {
     params.largest_scale = to_float(scale->at(1));
   }
   if (const Json* lean = spec.find("lean_degrees")) params.lean_degrees = to_float(*lean);
-  return equilux::make_scatter(make_mesh(scene, spec.at("mesh").as_string()),
-                               make_mesh(scene, spec.at("over").as_string()), params);
+  const TriangleMesh part = make_mesh(scene, spec.at("mesh").as_string());
+  check_sum(scene, part.triangles.size() * static_cast<std::size_t>(params.count));
+  return equilux::make_scatter(part, make_mesh(scene, spec.at("over").as_string()), params);
 }
 
 TriangleMesh make_group(const Scene& scene, const Json& spec, MeshRepairs* repairs) {
@@ -89,6 +99,7 @@ TriangleMesh make_group(const Scene& scene, const Json& spec, MeshRepairs* repai
   for (const Json& part : spec.as_array()) {
     append_mesh(mesh,
                 place_mesh(make_mesh(scene, part.at("mesh").as_string(), repairs), make_placement(part)));
+    check_sum(scene, mesh.triangles.size());
   }
   return mesh;
 }

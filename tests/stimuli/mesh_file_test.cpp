@@ -1,5 +1,6 @@
 // Meshes from files that users bring: three formats, what is mended and what is refused.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "base/error.h"
 #include "stimuli/generators.h"
@@ -125,6 +126,60 @@ TEST(MeshFiles, ThatAreDamagedOrOfNoKindAreRefused) {
 TEST(MeshFiles, WithAFaceOfAVertexThatIsNotThereAreRefused) {
   const TempFolder folder;
   expect_refused(folder.write("a.ply", ply_with("3 1 2 3", "3 1 2 9")), "indices under 4, got 9");
+}
+
+TEST(MeshFiles, OfPlyWithCountsThatTheirBytesCannotKeepAreRefusedBeforeMemoryIsTaken) {
+  const TempFolder folder;
+  for (const char* count : {"4294967295", "1000000", "99999999999999999999999999", "-1"}) {
+    expect_refused(folder.write("a.ply", ply_with("vertex 4", std::string("vertex ") + count)),
+                   "line 3: expected at most as many elements as the file has bytes");
+    expect_refused(folder.write("a.ply", ply_with("face 4", std::string("face ") + count)),
+                   "line 7: expected at most as many elements as the file has bytes");
+  }
+  for (const char* list : {"4294967295 1 2 3", "4 1 2 3", "-3 1 2 3", "x 1 2 3"})
+    expect_refused(folder.write("a.ply", ply_with("3 1 2 3", list)),
+                   "line 17: expected a list that is as long");
+  expect_refused(folder.write("a.ply", ply_with("3 1 2 3", "2 1 2 3")), "line 17: expected 3 values, got 4");
+  expect_refused(folder.write("a.ply", ply_with("3 1 2 3\n", "")), "line 17: expected a line with all");
+  for (const char* name : {"list-of-4-billion", "4-billion-vertices"}) {
+    const std::string file = std::string(EQUILUX_SOURCE_DIR "/tests/fuzz/corpus/mesh/ply-binary-") + name;
+    expect_refused(folder.write("a.ply", read_bytes(file).substr(1)));
+  }
+}
+
+TEST(MeshFiles, OfPlyMayHaveCommentsBlanksAndLineEndsOfWindows) {
+  const TempFolder folder;
+  std::string text = ply_with("element vertex", "comment by hand\nobj_info none\nelement vertex");
+  for (std::size_t place = 0; (place = text.find('\n', place)) != std::string::npos; place += 3)
+    text.replace(place, 1, " \r\n");
+  EXPECT_EQ(load_mesh(folder.write("a.ply", text)).triangles.size(), 4u);
+}
+
+// What it would wait for or read is not a part of the mesh.
+TEST(MeshFiles, WithTooManyTrianglesAtOnePointAreRefusedBeforeAllPairsAreLookedAt) {
+  const TempFolder folder;
+  std::string text = "v 0 0 1\n";
+  for (int i = 0; i <= 10001; ++i) text += fmt::format("v {} {} 0\n", std::cos(i * 6e-4), std::sin(i * 6e-4));
+  for (int i = 0; i <= 10000; ++i) text += fmt::format("f 1 {} {}\n", i + 2, i + 3);
+  expect_refused(folder.write("a.obj", text), "expected at most 10000 triangles at one point, got 10001");
+}
+
+TEST(MeshFiles, OpenNoPipesAndNothingOutsideTheirFolder) {
+  const TempFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const char* library : {"pipe", "../a.mtl", "/dev/zero", "a.mtl"})
+    EXPECT_EQ(load_mesh(folder.write("a.obj", fmt::format("mtllib {}\n{}", library, kObj))).triangles.size(),
+              4u);
+  constexpr const char* kGltf =
+      R"({{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"{}","byteLength":36}}],"bufferViews":[{{"buffer":0,"byteLength":36}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"nodes":[{{"mesh":0}}],"scenes":[{{"nodes":[0]}}],"scene":0}})";
+  const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::string bytes(reinterpret_cast<const char*>(corners), sizeof corners);
+  folder.write("in/a.bin", bytes);
+  folder.write("out.bin", bytes);
+  EXPECT_EQ(load_mesh(folder.write("in/a.gltf", fmt::format(kGltf, "a.bin"))).triangles.size(), 1u);
+  expect_refused(folder.write("in/a.gltf", fmt::format(kGltf, "../out.bin")), "a mesh that assimp reads");
 }
 
 TEST(MeshFiles, ThatAreMissingOrAFolderAreNamed) {

@@ -148,6 +148,37 @@ TEST_F(SceneFile, WithGroupsThatOutgrowTheirBoundIsRefused) {
   EXPECT_THAT(refusal_of(scene), HasSubstr("at most 10000 parts in all"));
 }
 
+TEST_F(SceneFile, WithMoreTrianglesThanMemoryHoldsIsRefusedBeforeTheyAreMade) {
+  const Json fine = parsed(R"({"name": "fine", "sphere": {"radius": 1, "subdivisions": 8}})");
+  ASSERT_NO_THROW(load_scene_of(folder_, with(scene_, "/meshes/-", fine)));
+  Json points;
+  for (int i = 0; i <= 50; ++i) points.push(parsed("[0, 0, 0]")).push(Json::Array{i, 0, i % 2});
+  Json sweep = parsed(R"({"radius": 0.1, "segments": 1000, "steps": 1000})");
+  sweep.set("points", points);
+  EXPECT_THAT(refusal_of(with(scene_, "/meshes/-", Json().set("name", "x").set("sweep", sweep))),
+              HasSubstr("expected at most 100000000 triangles, got more"));
+  const Json scattered =
+      parsed(R"({"name": "x", "scatter": {"mesh": "fine", "over": "ground", "count": 9000, "seed": 1}})");
+  EXPECT_THAT(refusal_of(with(with(scene_, "/meshes/-", fine), "/meshes/-", scattered)),
+              HasSubstr("/scatter/mesh: expected at most 100000000 triangles, got more"));
+  Json many = scene_.at("instances");
+  for (int i = 0; i < 100; ++i) many.push(Json().set("mesh", "fine").set("material", "LG"));
+  EXPECT_THAT(refusal_of(with(with(scene_, "/meshes/-", fine), "/instances", many)),
+              AllOf(HasSubstr("/instances/"), HasSubstr("expected at most 100000000 triangles, got more")));
+}
+
+TEST_F(SceneFile, WithAChainOfGroupsThatOutgrowsTheStackIsRefused) {
+  Json meshes = scene_.at("meshes");
+  std::string inner = "ball";
+  for (int i = 0; i < 64; ++i) {
+    const std::string name = "link" + std::to_string(i);
+    meshes.push(Json().set("name", name).set("group", Json().push(Json().set("mesh", inner))));
+    inner = name;
+  }
+  EXPECT_THAT(refusal_of(with(scene_, "/meshes", meshes)),
+              HasSubstr("expected at most 64 meshes made from one another, got more"));
+}
+
 TEST_F(SceneFile, WithASpotThatCannotShineIsRefused) {
   const std::string spot = "/lights/0/spot";
   expect_refusals({{spot + "/inner_degrees", 31, spot + "/inner_degrees", "less than outer_degrees, 30"},

@@ -1,0 +1,14 @@
+// Whether a PLY file is what its header says. Private to this folder.
+#pragma once
+
+#include <filesystem>
+
+namespace equilux {
+
+/// Nothing for a file that does not begin as PLY. assimp takes memory for every count that a PLY file states,
+/// and reads a header without an end for ever: so the header must end within 65,536 bytes and have lines of
+/// PLY's words alone; it may declare as many elements as the file has bytes; lists are counted in one byte
+/// where they are binary; in text, each element is one line of exactly its values. errors: InputError
+void check_ply(const std::filesystem::path& path);
+
+}  // namespace equilux
