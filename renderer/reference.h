@@ -20,7 +20,7 @@ struct FamilyLayers {
 std::string name_background_stream(const Family& family);
 
 /// How a study's references are traced. The stream names are the family's.
-ReferenceParams make_reference_params(const Study& study, const Family& family);
+ReferenceParams make_reference_params(const Study& study, const Scene& scene, const Family& family);
 
 /// Work that the room and an object of one material are likely to report; exact where the counts are fixed.
 /// `pixels`: for which each of the primary's stands. units: paths

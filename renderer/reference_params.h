@@ -14,6 +14,7 @@ struct ReferenceParams {
   std::optional<PathCounts> fixed;  ///< the same at every pixel; else by a pilot for the target
   NoiseTarget target;
   ToneMapping tone;
+  double gloss = 0.12;  ///< luminance of the object's rho_s: only foresees what sets cost
   std::uint64_t seed = 1;
   std::string stream_name;             ///< the pilot's has another: it is thrown away
   std::string background_stream_name;  ///< the same for every material of the object

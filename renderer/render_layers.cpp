@@ -94,7 +94,7 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
                                 [&](double paths) { job.progress.expect_more(paths); }};
   std::vector<Materials> materials;
   for (const Family& family : families) materials.push_back(materials_of(job, family.object.material));
-  const ReferenceParams params = make_reference_params(job.study, families.front());
+  const ReferenceParams params = make_reference_params(job.study, job.scene, families.front());
   BackgroundPlan plan;
   std::vector<TracedLayer> backgrounds;
   {
@@ -109,7 +109,7 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
     {
       const LoggedWork work(job, "references", "reference " + format_key(families[i]));
       layers = trace_object({job.world, materials[i], primary}, plan, backgrounds[i],
-                            make_reference_params(job.study, families[i]), progress);
+                            make_reference_params(job.study, job.scene, families[i]), progress);
     }
     save_family(job, primary, families[i], layers);
   }

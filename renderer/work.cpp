@@ -33,7 +33,7 @@ void add_costs(const WorldCosts& costs, WorkItem& item) {
     }
   }
   if (item.has_reference) {
-    item.own += costs.object;
+    item.own += costs.object.at(item.family.object.material);
     item.shared[fmt::format("{}-room-v{}", world, item.family.view)] = costs.room;
   }
 }
@@ -82,9 +82,14 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
   for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
   const double pixels =
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
-  const ReferenceParams params = make_reference_params(study, {});
-  return {pixels * object * study.subpixel_positions, estimate_object_paths(params, small, pixels),
-          pixels * estimate_background_paths(params, small)};
+  WorldCosts costs;
+  costs.points = pixels * object * study.subpixel_positions;
+  for (const Family& family : enumerate_references(study)) {
+    const ReferenceParams params = make_reference_params(study, scene, family);
+    costs.object[family.object.material] = estimate_object_paths(params, small, pixels);
+    costs.room = pixels * estimate_background_paths(params, small);
+  }
+  return costs;
 }
 
 double measure_speed(const Study& study, const Scene& scene) {

@@ -34,8 +34,8 @@ WorldKey world_of(const Object& object);
 /// Of one world, from a small picture of what the camera sees. units: paths
 struct WorldCosts {
   double points = 0;  ///< of the object in a view, all subpixel positions; a number, no cost
-  double object = 0;  ///< a reference's object
-  double room = 0;    ///< the backgrounds of a view
+  std::map<std::string, double> object;  ///< a reference's, by material
+  double room = 0;                       ///< the backgrounds of a view
 };
 
 WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world);
