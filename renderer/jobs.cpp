@@ -118,11 +118,13 @@ std::string format_job_folder(const JobShare& job) { return fmt::format("{}-of-{
 std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& scene, const Wanted& wanted,
                                              int count) {
   std::map<WorldKey, WorldCosts> costs;
-  for (const Family& family : wanted.families) {
-    const WorldKey key = world_of(family.object);
+  const auto add = [&](const Object& object) {
+    const WorldKey key = world_of(object);
     if (!costs.contains(key))
       costs[key] = estimate_costs(study, scene, make_world(scene, key.geometry, key.illumination));
-  }
+  };
+  for (const Family& family : wanted.families) add(family.object);
+  for (const Condition& condition : wanted.conditions) add(condition.cell.column.object);
   return split_work(list_work(costs, wanted), count);
 }
 

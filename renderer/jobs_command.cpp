@@ -32,6 +32,17 @@ std::pair<double, std::string> find_rate(const PlanOptions& options, const Study
   return {measure_speed(study, scene), "measured now on this machine; --out takes it from what was rendered"};
 }
 
+// What the folder lacks; shares that are not gathered are not in it.
+std::string tell_rest(const PlanOptions& options, const Study& study, const Scene& scene,
+                      const Wanted& wanted, double speed) {
+  LayerStore store({options.folder}, study);
+  const Wanted missing = find_missing(make_recipes(study, scene, wanted), wanted, store);
+  const std::string folder = options.folder.string();
+  if (missing.empty()) return fmt::format("All of it is rendered in {}.\n", folder);
+  return fmt::format("Not yet rendered in {}: {}.\n", folder,
+                     format_seconds(sum_work(plan_jobs(study, scene, missing, 1).front()) / speed));
+}
+
 int run_plan(const PlanOptions& options) {
   const Study study = load_study(options.study);
   const Scene scene = load_scene(study.scene_path);
@@ -55,6 +66,7 @@ int run_plan(const PlanOptions& options) {
   }
   fmt::print("\nThe longest {}, all one after another {}; {:.3g} paths a second, {}.\n",
              format_seconds(longest), format_seconds(sum), speed, source);
+  if (!options.folder.empty()) fmt::print("{}", tell_rest(options, study, scene, wanted, speed));
   return kExitOk;
 }
 
@@ -111,7 +123,8 @@ void add_plan(CLI::App& app, CommandLine& line) {
   plan->add_option("study", options->study, "Study file")->required();
   plan->add_option("--jobs", options->jobs, "Shares (1)")->check(is_job_count());
   plan->add_option("--only", options->only, "Glob over keys of pictures and references");
-  plan->add_option("--out", options->folder, "Study folder whose times tell the speed of its machines");
+  plan->add_option("--out", options->folder,
+                   "Study folder: its times tell the speed of its machines, its layers what is left");
   add_machine(*plan, line);
   plan->footer("Example: equilux-render plan protocols/paper.json --jobs 16");
   plan->callback([&line, options] { line.command = [options] { return run_plan(*options); }; });

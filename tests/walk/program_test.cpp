@@ -176,6 +176,21 @@ TEST_F(ProgramInput, NamesADamagedManifestBeforeAnythingIsRendered) {
   EXPECT_TRUE(fs::is_empty(folder.layer_folder()));
 }
 
+TEST(Plan, TellsWhatAFolderStillLacks) {
+  const test::TinyStudy study;
+  const std::string root = (study.folder() / "set").string();
+  const Words plan = {"plan", study.path().string(), "--out", root};
+  const std::string all = "All of it is rendered in " + root + ".",
+                    rest = "Not yet rendered in " + root + ": ";
+  run_well("render", {"set", study.path().string(), "--out", root, "--only", "G0-MS-ind-*"});
+  EXPECT_THAT(run_well("render", plan), AllOf(HasSubstr(rest), Not(HasSubstr(all))));
+  run_well("render", {"set", study.path().string(), "--out", root});
+  EXPECT_THAT(run_well("render", plan), AllOf(HasSubstr(all), Not(HasSubstr(rest))));
+  // References are there, a layer of a VPL picture is not.
+  fs::remove(study.folder() / "set/layers/G0-MS-ind-100-C4-v0.exr");
+  EXPECT_THAT(run_well("render", plan), HasSubstr(rest));
+}
+
 TEST_F(ProgramInput, NamesAnUnknownMeshAndItsPlace) {
   const Json cafe = parse_json(load_text(kCafe), kCafe);
   save_text(path("scene.json"), format_json(with(cafe, "/instances/0/mesh", "teapot")));
