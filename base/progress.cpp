@@ -9,6 +9,11 @@
 #include <unistd.h>
 
 namespace equilux {
+namespace {
+
+constexpr double kLongestQuiet = 300;  // s
+
+}  // namespace
 
 std::string format_seconds(double seconds) {
   if (seconds < 9.95) return fmt::format("{:.1f} s", seconds);
@@ -39,8 +44,10 @@ void Progress::advance(double work) {
   done_ += work;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   const double share = total_ > 0 ? done_ / total_ : 1;
-  const bool due = is_terminal_ ? seconds - last_print_s_ > 0.2
-                                : seconds - last_print_s_ > 10 && (share - last_share_ > 0.1 || !printed_);
+  const double quiet = seconds - last_print_s_;
+  const bool due = is_terminal_
+                       ? quiet > 0.2
+                       : quiet > kLongestQuiet || (quiet > 10 && (share - last_share_ > 0.1 || !printed_));
   const bool first = !printed_ && seconds > 2;
   if ((first || (printed_ && due)) && share < 1) {
     print(seconds);
@@ -54,10 +61,16 @@ void Progress::expect_more(double work) {
   total_ = std::max(done_, total_ + work);
 }
 
+void Progress::tell(std::string what) {
+  const std::lock_guard lock(mutex_);
+  what_ = std::move(what);
+}
+
 void Progress::print(double seconds) {
   const double share = total_ > 0 ? done_ / total_ : 1;
   const std::string eta = share > 0.01 ? format_seconds(seconds * (1 - share) / share) : "?";
-  const std::string line = fmt::format("{}: {:3.0f} %, {} left", label_, 100 * share, eta);
+  const std::string line =
+      fmt::format("{}: {:3.0f} %, {} left{}{}", label_, 100 * share, eta, what_.empty() ? "" : "; ", what_);
   if (is_terminal_) {
     fmt::print(stderr, "\r\033[K{}", line);
   } else {

@@ -9,8 +9,8 @@ namespace equilux {
 
 /// Reports done / total on standard error. Thread-safe. On a terminal one line is rewritten five times a
 /// second; elsewhere a line appears after two seconds and then when the share has grown by a tenth and ten
-/// seconds have gone. The last line says how long it took: the total is an estimate, which may be missed by
-/// some percent.
+/// seconds have gone, or five minutes have. The last line says how long it took: the total is an estimate,
+/// which may be missed by some percent.
 class Progress {
  public:
   /// `total` in any unit of work whose cost is even.
@@ -22,11 +22,13 @@ class Progress {
   void advance(double work);
   /// There is so much more to do (or less) than was said before.
   void expect_more(double work);
+  /// What is being done now: stands in the lines that follow.
+  void tell(std::string what);
 
  private:
   void print(double seconds);
 
-  std::string label_;
+  std::string label_, what_;
   double total_;
   double done_ = 0;
   bool is_terminal_;

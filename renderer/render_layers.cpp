@@ -12,6 +12,10 @@
 namespace equilux {
 namespace {
 
+std::string count_materials(std::size_t count) {
+  return fmt::format("{} material{}", count, count == 1 ? "" : "s");
+}
+
 std::map<WorldKey, Wanted> group_layers(const Wanted& missing) {
   std::map<WorldKey, Wanted> groups;
   for (const Family& family : missing.families) groups[world_of(family.object)].families.push_back(family);
@@ -19,6 +23,12 @@ std::map<WorldKey, Wanted> group_layers(const Wanted& missing) {
     groups[world_of(condition.cell.column.object)].conditions.push_back(condition);
   return groups;
 }
+
+// Of all groups together.
+struct WorkCounts {
+  std::size_t all_references = 0, all_layers = 0;
+  std::size_t references = 0, layers = 0;  // that are whole
+};
 
 struct GroupJob {
   const Recipes& recipes;
@@ -29,13 +39,21 @@ struct GroupJob {
   Progress& progress;
   std::map<std::string, double>& seconds;
   WorkLog& log;
+  WorkCounts& counts;
+
+  void tell(const std::string& what) const {
+    progress.tell(fmt::format("{} of {} references, {} of {} VPL layers; {}", counts.references,
+                              counts.all_references, counts.layers, counts.all_layers, what));
+  }
 };
 
 // Adds the time that it lives to a stage, and to the log what was done in it.
 class LoggedWork {
  public:
-  LoggedWork(const GroupJob& job, const char* stage, std::string what)
-      : work_(job.log, std::move(what)), watch_(job.seconds[stage]) {}
+  LoggedWork(const GroupJob& job, const char* stage, const std::string& what)
+      : work_(job.log, what), watch_(job.seconds[stage]) {
+    job.tell(what);
+  }
 
  private:
   LoggedProduct work_;
@@ -85,6 +103,7 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
                    std::move(reference));
   }
   job.store.save_record();
+  ++job.counts.references;
 }
 
 // Of one view: their backgrounds from the same paths, then each object.
@@ -98,9 +117,9 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
   BackgroundPlan plan;
   std::vector<TracedLayer> backgrounds;
   {
-    const LoggedWork work(
-        job, "backgrounds",
-        fmt::format("backgrounds {} of {} materials", name_background_stream(families[0]), families.size()));
+    const LoggedWork work(job, "backgrounds",
+                          fmt::format("backgrounds {} of {}", name_background_stream(families[0]),
+                                      count_materials(families.size())));
     plan = plan_background(job.world, primary, params, progress);
     backgrounds = trace_planned_backgrounds(job.world, materials, primary, plan, params, progress.advance);
   }
@@ -231,6 +250,7 @@ void save_vpl_layers(const VplJob& job, const ViewJob& view, const std::string& 
                      {{"equilux_clamp_per_m2", fmt::format("{}", clamp_per_m2(levels[level]))},
                       {"equilux_vpl_count", fmt::format("{}", record.count)}},
                      record);
+    ++group.counts.layers;
   }
 }
 
@@ -250,10 +270,11 @@ void render_plain_sums(const VplJob& job, const ViewJob& view, const PlainVpls& 
   for (const auto& [material, some] : wanted)
     materials.push_back(make_material(find_material(group.scene, material)));
   const auto shade = [&](const VplList& list, const std::vector<Material>& of, double cost) {
-    const LoggedWork work(group, "VPL shading",
-                          fmt::format("plain sums {}-{}-{}-v{} of {} materials", job.key.geometry,
-                                      format_illumination(job.key.illumination),
-                                      format_vpl_count(job.vpl_count), view.view, of.size()));
+    const LoggedWork work(
+        group, "VPL shading",
+        fmt::format("plain sums {}-{}-{}-v{} of {}", job.key.geometry,
+                    format_illumination(job.key.illumination), format_vpl_count(job.vpl_count), view.view,
+                    count_materials(of.size())));
     return shade_all_vpls(group.world, view.points, list, of, clamps,
                           [&](double pairs) { group.progress.advance(cost * pairs); });
   };
@@ -318,8 +339,10 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
   const Material material = make_material(find_material(group.scene, name));
   const auto advance = [&](double points) { group.progress.advance(cost_of_cut(job.vpl_count) * points); };
   const auto shade = [&] {
-    const LoggedProduct work(
-        group.log, fmt::format("{}-v{} at {} levels", job.name("cuts", name), view.view, levels.size()));
+    const std::string what =
+        fmt::format("{}-v{} at {} levels", job.name("cuts", name), view.view, levels.size());
+    const LoggedProduct work(group.log, what);
+    group.tell(what);
     return shade_measured({group.world, view.points, {&trees.shared, &trees.own}, material, clamps, advance},
                           {kErrorRatio, find_floor(job, view, name), group.study.certified},
                           group.study.seed);
@@ -426,8 +449,9 @@ double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& m
   }
   const double work = sum_work(list_work(costs, missing));
   Progress progress("rendering", work);
+  WorkCounts counts{missing.families.size(), missing.conditions.size()};
   for (const auto& [key, group] : groups) {
-    const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds, log};
+    const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds, log, counts};
     render_group(job, key, group);
     worlds.erase(key);
   }
