@@ -25,28 +25,32 @@ struct PlanOptions {
 // Work a second, and where it is known from.
 std::pair<double, std::string> find_rate(const PlanOptions& options, const Study& study, const Scene& scene) {
   if (!options.folder.empty()) {
-    load_folder_study({options.folder});
-    if (const auto speed = find_speed({options.folder}))
-      return {*speed, "as in " + StudyFolder{options.folder}.timing().string()};
+    const std::string file = StudyFolder{options.folder}.timing().string();
+    if (const auto speed = find_speed({options.folder})) return {*speed, "as in " + file};
+    return {measure_speed(study, scene), "measured now on this machine; " + file + " tells of no work"};
   }
   return {measure_speed(study, scene), "measured now on this machine; --out takes it from what was rendered"};
 }
 
-// What the folder lacks; shares that are not gathered are not in it.
+// What the folder lacks.
 std::string tell_rest(const PlanOptions& options, const Study& study, const Scene& scene,
                       const Wanted& wanted, double speed) {
   LayerStore store({options.folder}, study);
   const Wanted missing = find_missing(make_recipes(study, scene, wanted), wanted, store);
   const std::string folder = options.folder.string();
   if (missing.empty()) return fmt::format("All of it is rendered in {}.\n", folder);
-  return fmt::format("Not yet rendered in {}: {}.\n", folder,
-                     format_seconds(sum_work(plan_jobs(study, scene, missing, 1).front()) / speed));
+  return fmt::format(
+      "Not yet in {}: {} references and {} layers of VPL pictures, foreseen {}{}.\n", folder,
+      missing.families.size(), missing.conditions.size(),
+      format_seconds(sum_work(plan_jobs(study, scene, missing, 1).front()) / speed),
+      has_shares({options.folder}) ? "; it has shares, which are not counted until gathered" : "");
 }
 
 int run_plan(const PlanOptions& options) {
   const Study study = load_study(options.study);
   const Scene scene = load_scene(study.scene_path);
   const Wanted wanted = enumerate_wanted(study, options.only);
+  const bool is_own = !options.folder.empty() && load_folder_study({options.folder}).digest == study.digest;
   const auto jobs = plan_jobs(study, scene, wanted, options.jobs);
   const auto [speed, source] = find_rate(options, study, scene);
   fmt::print("{}: {} references, {} VPL pictures in {} shares\n\n", study.name, wanted.families.size(),
@@ -66,7 +70,11 @@ int run_plan(const PlanOptions& options) {
   }
   fmt::print("\nThe longest {}, all one after another {}; {:.3g} paths a second, {}.\n",
              format_seconds(longest), format_seconds(sum), speed, source);
-  if (!options.folder.empty()) fmt::print("{}", tell_rest(options, study, scene, wanted, speed));
+  if (is_own) {
+    fmt::print("{}", tell_rest(options, study, scene, wanted, speed));
+  } else if (!options.folder.empty()) {
+    fmt::print("{} is the folder of another study: its layers are not looked at.\n", options.folder.string());
+  }
   return kExitOk;
 }
 

@@ -91,18 +91,16 @@ bool LayerStore::adopt(const std::string& name, const std::string& recipe, Layer
 HdrImage LayerStore::load(const std::string& name) const {
   const LayerRecord& layer = record(name);
   const fs::path path = folder_.root / layer.file;
-  HdrImage image = load_exr(path).image;
+  if (!is_file(path)) throw InputError(path.string(), "", "an EXR file", "no such file");
   if (const std::string digest = digest_file(path); digest != layer.digest) {
     throw InputError(path.string(), "",
                      fmt::format("the file recorded in layers.json, digest {}", layer.digest), digest);
   }
+  HdrImage image = load_exr(path, PixelSize{width_, height_}).image;
   const int channels = name.ends_with(".coverage") ? 1 : 3;
   if (image.channels != channels)
     throw InputError(path.string(), "", fmt::format("a layer of {} channels", channels),
                      fmt::format("{}", image.channels));
-  if (image.width != width_ || image.height != height_)
-    throw InputError(path.string(), "", fmt::format("{} x {} pixels, as the study has", width_, height_),
-                     fmt::format("{} x {}", image.width, image.height));
   return image;
 }
 

@@ -124,9 +124,8 @@ class FamilyVerifier {
         add(key, fmt::format("its {} in the manifest is {}, of its layers {}", member, recorded->as_double(),
                              value));
     }
-    LdrImage shown = load_png(set_.folder.root / record->second.file);
-    if (shown.width != set_.study.width || shown.height != set_.study.height) return;  // found before
-    shown_ = std::move(shown);
+    shown_ = load_shown(record->second);
+    if (!shown_) return;  // found before
     if (shown_->values != compose_picture(*loaded_, loaded_->indirect).values)
       add(key, "the picture is not that of its layers");
   }
@@ -139,10 +138,18 @@ class FamilyVerifier {
       light_[condition.cell.column][condition.cell.clamp_level] = sum_light(layer);
     const auto record = set_.manifest.pictures.find(key);
     if (record == set_.manifest.pictures.end()) return;
-    const LdrImage picture = load_png(set_.folder.root / record->second.file);
-    if (picture.values != compose_picture(*loaded_, layer).values)
+    const auto picture = load_shown(record->second);
+    if (!picture) return;  // found before
+    if (picture->values != compose_picture(*loaded_, layer).values)
       add(key, "the picture is not that of its layers");
-    if (shown_ && differs_outside(picture)) add(key, "its background is not that of its reference");
+    if (shown_ && differs_outside(*picture)) add(key, "its background is not that of its reference");
+  }
+
+  // Empty where it is of another size: that takes no memory.
+  std::optional<LdrImage> load_shown(const PictureRecord& record) const {
+    const fs::path path = set_.folder.root / record.file;
+    if (load_png_size(path) != PixelSize{set_.study.width, set_.study.height}) return {};
+    return load_png(path);
   }
 
   bool differs_outside(const LdrImage& picture) const {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "renderer/local_tone.h"
 
 namespace equilux {
 namespace {
@@ -35,10 +36,17 @@ Json common_recipe(const Recipes& recipes, const Object& object, int view) {
   return json;
 }
 
-void set_tone(Json& recipe, const ToneMapping& tone) {
+// By which a displayed step is found.
+void set_exposure(Json& recipe, const ToneMapping& tone) {
   recipe.set("tone_key", tone.key);
   recipe.set("exposure", tone.exposure == Exposure::kWhole ? "whole" : "background");
-  if (tone.operation == ToneOperator::kLocal) recipe.set("tone_operator", "local");
+}
+
+// By which displayed errors are found.
+void set_tone(Json& recipe, const ToneMapping& tone) {
+  set_exposure(recipe, tone);
+  if (tone.operation == ToneOperator::kLocal)
+    recipe.set("tone_operator", fmt::format("local {}", kLocalToneVersion));
 }
 
 }  // namespace
@@ -118,7 +126,7 @@ std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition
     for (int level : recipes.study.clamp_levels) levels.push(level);
     json.set("levels", std::move(levels));
     json.set("reference", digest_family_recipe(recipes, family_of(condition)));
-    if (recipes.study.paths) set_tone(json, recipes.study.planned_tone);
+    if (recipes.study.paths) set_exposure(json, recipes.study.planned_tone);
   }
   json.set("emission", recipes.study.emission == Emission::kFull ? "full" : "lambertian");
   json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));

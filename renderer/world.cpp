@@ -170,9 +170,17 @@ class WorldBuilder {
   }
 
   void add_instances(const Scene& scene) {
+    std::map<std::string, TriangleMesh> meshes;
+    std::size_t triangles = 0;
     for (const Instance& instance : scene.instances) {
-      add_room(place_mesh(make_mesh(scene, instance.mesh), instance.placement),
-               find_material(scene, instance.material));
+      const auto [mesh, added] = meshes.try_emplace(instance.mesh);
+      if (added) mesh->second = make_mesh(scene, instance.mesh);
+      triangles += mesh->second.triangles.size();
+      if (triangles > kMaxTriangles) {
+        throw InputError(scene.path.string(), "/instances",
+                         fmt::format("at most {} triangles in all", kMaxTriangles), "more");
+      }
+      add_room(place_mesh(mesh->second, instance.placement), find_material(scene, instance.material));
     }
   }
 

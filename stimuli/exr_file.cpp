@@ -164,11 +164,16 @@ void check_header(const std::filesystem::path& path) {
   }
 }
 
-HdrImage make_image(const Imf::Header& header, std::uintmax_t file_bytes, const std::string& source) {
+HdrImage make_image(const Imf::Header& header, std::uintmax_t file_bytes, std::optional<PixelSize> wanted,
+                    const std::string& source) {
   const Imath::Box2i& window = header.dataWindow();
   const auto width = std::int64_t{window.max.x} - window.min.x + 1,
              height = std::int64_t{window.max.y} - window.min.y + 1;
   check_size(width, height, file_bytes, source);
+  if (wanted && (width != wanted->width || height != wanted->height)) {
+    throw InputError(source, "dataWindow", fmt::format("{} x {} pixels", wanted->width, wanted->height),
+                     fmt::format("{} x {}", width, height));
+  }
   const bool has_luminance = header.channels().findChannel("Y") != nullptr;
   const int channels = has_luminance ? 1 : 3;
   for (const char* name : channel_names(channels)) {
@@ -187,11 +192,11 @@ void check_finite(const HdrImage& image, const std::string& source) {
   }
 }
 
-ExrFile read_exr(const std::filesystem::path& path) {
+ExrFile read_exr(const std::filesystem::path& path, std::optional<PixelSize> size) {
   check_header(path);
   Imf::InputFile input(path.c_str(), 0);
   const Imf::Header& header = input.header();
-  ExrFile file{make_image(header, std::filesystem::file_size(path), path.string()), {}};
+  ExrFile file{make_image(header, std::filesystem::file_size(path), size, path.string()), {}};
   input.setFrameBuffer(make_frame_buffer(file.image, header.dataWindow().min));
   input.readPixels(header.dataWindow().min.y, header.dataWindow().max.y);
   for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
@@ -239,10 +244,10 @@ std::string encode_exr(HdrImage image, const ExrMetadata& metadata) {
 
 }  // namespace
 
-ExrFile load_exr(const std::filesystem::path& path) {
+ExrFile load_exr(const std::filesystem::path& path, std::optional<PixelSize> size) {
   if (!is_file(path)) throw InputError(path.string(), "", "an EXR file", "no such file");
   try {  // the boundary to a library that throws its own
-    return read_exr(path);
+    return read_exr(path, size);
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {

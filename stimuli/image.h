@@ -6,6 +6,12 @@
 
 namespace equilux {
 
+/// units: pixels
+struct PixelSize {
+  int width = 0, height = 0;
+  bool operator==(const PixelSize&) const = default;
+};
+
 /// Linear Rec.709 radiance. shape: height x width x channels, row-major from the top left. channels: 3, or 1
 /// for coverage.
 struct HdrImage {

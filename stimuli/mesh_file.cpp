@@ -1,4 +1,6 @@
 // The one file that knows assimp.
+#include <algorithm>
+#include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
@@ -68,6 +70,8 @@ void check_part(const aiMesh& part, const std::string& source) {
   }
   for (unsigned i = 0; i < part.mNumFaces; ++i) {
     const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices == 0)
+      throw InputError(source, fmt::format("face {}", i), "at least one corner", "none");
     for (unsigned j = 0; j < face.mNumIndices; ++j) {
       if (face.mIndices[j] < part.mNumVertices) continue;
       throw InputError(source, fmt::format("face {}", i), fmt::format("indices under {}", part.mNumVertices),
@@ -97,6 +101,23 @@ class FilesBeside : public Assimp::DefaultIOSystem {
   std::filesystem::path mesh_, folder_;
 };
 
+// Formats of triangles alone. Those of whole scenes nest and refer: assimp follows a few bytes of theirs
+// until stack or memory end.
+constexpr std::string_view kFormats[] = {"obj", "ply", "stl", "off"};
+
+void forget_other_formats(Assimp::Importer& importer) {
+  std::vector<Assimp::BaseImporter*> others;
+  for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
+    const std::string_view format = importer.GetImporterInfo(i)->mFileExtensions;
+    if (std::find(std::begin(kFormats), std::end(kFormats), format) == std::end(kFormats))
+      others.push_back(importer.GetImporter(i));
+  }
+  for (Assimp::BaseImporter* other : others) {
+    importer.UnregisterLoader(other);
+    delete other;  // it is the caller's then
+  }
+}
+
 // Twenty million triangles as PLY.
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
 
@@ -113,6 +134,7 @@ void check_file(const std::filesystem::path& path) {
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) {
   check_file(path);
   Assimp::Importer importer;
+  forget_other_formats(importer);
   importer.SetIOHandler(new FilesBeside(path));  // which it deletes
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
@@ -121,7 +143,8 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
                                          aiProcess_SortByPType);
   }
-  if (!scene) throw InputError(path.string(), "", "a mesh that assimp reads", importer.GetErrorString());
+  if (!scene)
+    throw InputError(path.string(), "", "a mesh in OBJ, PLY, STL or OFF", importer.GetErrorString());
   TriangleMesh parts;
   MeshRepairs ignored;
   MeshRepairs& found = repairs ? *repairs : ignored;

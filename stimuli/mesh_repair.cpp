@@ -11,9 +11,10 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// At one point: every pair of them is looked at.
-constexpr std::size_t kMaxTrianglesAtPoint = 10000;
-constexpr float kCosCrease = 0.173648f;  // of 80 degrees
+// Of triangles that meet in a point, of all points together: every pair is looked at.
+constexpr std::size_t kMaxPairs = 400'000'000;
+constexpr std::size_t kUsualPairs = 100;  // a triangle: of six round each point there are 18
+constexpr float kCosCrease = 0.173648f;   // of 80 degrees
 
 /// One place of the mesh, however many vertices stand there.
 struct Welded {
@@ -130,13 +131,13 @@ std::size_t assign_fans(const std::vector<Face>& faces, std::vector<Corner>& cor
   return fans.size();
 }
 
-// All its terms are on one side of the face, so they cannot cancel.
-Vec3 smooth_normal(const std::vector<Face>& faces, const std::vector<Corner>& corners, const Corner& corner) {
-  const Vec3 own = faces[corner.face].normal;
+// All its terms are on one side of the face, so they cannot cancel. `normals`: of the corners' faces.
+Vec3 smooth_normal(const std::vector<Vec3>& normals, const std::vector<Corner>& corners, std::size_t corner) {
+  const Vec3 own = normals[corner];
   Vec3 sum;
-  for (const Corner& other : corners) {
-    const Vec3 normal = faces[other.face].normal;
-    if (other.fan == corner.fan && dot(own, normal) >= kCosCrease) sum += normal * other.angle;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (corners[i].fan == corners[corner].fan && dot(own, normals[i]) >= kCosCrease)
+      sum += normals[i] * corners[i].angle;
   }
   return sum == Vec3{} ? own : normalize(sum);
 }
@@ -145,10 +146,13 @@ Vec3 smooth_normal(const std::vector<Face>& faces, const std::vector<Corner>& co
 void add_point(TriangleMesh& mesh, const Welded& welded, const std::vector<Face>& faces,
                const std::vector<Corner>& corners, const std::vector<Vec3>& file_normals) {
   std::map<std::pair<std::size_t, std::array<float, 3>>, std::uint32_t> known;
-  for (const Corner& corner : corners) {
+  std::vector<Vec3> normals;
+  for (const Corner& corner : corners) normals.push_back(faces[corner.face].normal);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Corner& corner = corners[i];
     const Face& face = faces[corner.face];
     Vec3 normal = file_normals.empty() ? Vec3{} : file_normals[face.vertices[corner.slot]];
-    if (normal == Vec3{}) normal = smooth_normal(faces, corners, corner);
+    if (normal == Vec3{}) normal = smooth_normal(normals, corners, i);
     const auto next = static_cast<std::uint32_t>(mesh.positions.size());
     const auto [found, added] = known.try_emplace({corner.fan, {normal.x, normal.y, normal.z}}, next);
     if (added) {
@@ -168,11 +172,14 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs, const s
   count_edges(faces, repairs);
   TriangleMesh repaired;
   repaired.triangles.resize(faces.size());
-  for (std::vector<Corner>& corners : gather_corners(faces, welded.points)) {
-    if (corners.size() > kMaxTrianglesAtPoint) {
-      throw InputError(source, "", fmt::format("at most {} triangles at one point", kMaxTrianglesAtPoint),
-                       fmt::format("{}", corners.size()));
-    }
+  std::vector<std::vector<Corner>> by_point = gather_corners(faces, welded.points);
+  std::size_t pairs = 0;
+  for (const std::vector<Corner>& corners : by_point) pairs += corners.size() * corners.size();
+  if (pairs > std::max(kMaxPairs, kUsualPairs * faces.size())) {
+    throw InputError(source, "", fmt::format("at most {} pairs of triangles that meet in a point", kMaxPairs),
+                     fmt::format("{}", pairs));
+  }
+  for (std::vector<Corner>& corners : by_point) {
     repairs.non_manifold_vertices += assign_fans(faces, corners) > 1;
     add_point(repaired, welded, faces, corners, mesh.normals);
   }

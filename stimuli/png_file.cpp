@@ -1,8 +1,10 @@
 // The one file that knows libpng.
 #include "stimuli/png_file.h"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <png.h>
 
 #include "base/error.h"
@@ -22,6 +24,18 @@ struct PngImage : png_image {
 };
 
 }  // namespace
+
+PixelSize load_png_size(const std::filesystem::path& path) {
+  std::array<unsigned char, 24> head{};
+  std::ifstream file(path, std::ios::binary);
+  if (!is_file(path) || !file.read(reinterpret_cast<char*>(head.data()), head.size())) return {};
+  const auto number = [&](std::size_t at) {
+    const std::uint32_t value = std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
+                                std::uint32_t{head[at + 2]} << 8 | head[at + 3];
+    return value > kMaxSide ? 0 : static_cast<int>(value);
+  };
+  return {number(16), number(20)};
+}
 
 LdrImage load_png(const std::filesystem::path& path) {
   const std::string bytes = load_text(path);

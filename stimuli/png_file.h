@@ -13,6 +13,9 @@ namespace equilux {
 /// more pixels than its bytes can hold.
 LdrImage load_png(const std::filesystem::path& path);
 
+/// As a PNG file says it first, without reading more; 0 x 0 where it is none.
+PixelSize load_png_size(const std::filesystem::path& path);
+
 /// The bytes of a PNG file; the same picture always gives the same ones.
 std::string encode_png(const LdrImage& image);
 

@@ -24,6 +24,9 @@ enum class GlossModel : std::uint8_t {
 };
 
 /// units: reflectances are of one; roughness_alpha is the rms slope of the Ward models.
+/// Of a mesh, and of all instances together: a hundred scans like the Dragon in full.
+inline constexpr std::size_t kMaxTriangles = 100'000'000;
+
 struct MaterialSpec {
   std::string name;
   Vec3 rho_d;

@@ -15,9 +15,6 @@ Placement make_placement(const Json& json);
 inline constexpr const char* kMeshKinds[] = {"quad",   "box",  "lathe",   "sweep", "extrude",
                                              "sphere", "blob", "scatter", "file",  "group"};
 
-/// Of a mesh, and of all instances together: a hundred scans like the Dragon in full.
-inline constexpr std::size_t kMaxTriangles = 100'000'000;
-
 /// The mesh of a geometry, or of a sculpture by its name. errors: InputError for an unknown one
 const std::string& mesh_of(const Scene& scene, const std::string& geometry);
 

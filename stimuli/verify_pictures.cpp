@@ -1,29 +1,16 @@
 // Records against files.
 #include "stimuli/verify_pictures.h"
 
-#include <array>
-#include <fstream>
 #include <set>
 
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "stimuli/png_file.h"
 
 namespace equilux {
 namespace {
 namespace fs = std::filesystem;
-
-// Width and height as a PNG file says them first; 0 where it is none.
-std::pair<std::uint32_t, std::uint32_t> load_png_size(const fs::path& path) {
-  std::array<unsigned char, 24> head{};
-  std::ifstream file(path, std::ios::binary);
-  if (!file.read(reinterpret_cast<char*>(head.data()), head.size())) return {0, 0};
-  const auto number = [&](std::size_t at) {
-    return std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
-           std::uint32_t{head[at + 2]} << 8 | head[at + 3];
-  };
-  return {number(16), number(20)};
-}
 
 std::string family_key(const std::string& key) {
   const bool is_reference = key.find("-ref-") != std::string::npos;
@@ -51,11 +38,9 @@ std::string find_fault(const StudyFolder& folder, const Study& study, const Mani
   if (!is_file(file)) return "no file " + file.string();
   if (const std::string digest = digest_file(file); digest != found->second.digest)
     return fmt::format("{}: expected the digest {}, got {}", file.string(), found->second.digest, digest);
-  const auto [width, height] = load_png_size(file);
-  if (width != static_cast<std::uint32_t>(manifest.width) ||
-      height != static_cast<std::uint32_t>(manifest.height))
-    return fmt::format("{} x {} pixels, where the manifest has {} x {}", width, height, manifest.width,
-                       manifest.height);
+  if (const PixelSize size = load_png_size(file); size != PixelSize{manifest.width, manifest.height})
+    return fmt::format("{} x {} pixels, where the manifest has {} x {}", size.width, size.height,
+                       manifest.width, manifest.height);
   if (!manifest.tones.contains(family_key(key))) return "no tone curve of " + family_key(key);
   if (key == family_key(key) && !study.paths) return find_error_beyond(found->second, study.noise_target);
   return "";

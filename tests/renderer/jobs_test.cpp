@@ -309,8 +309,12 @@ TEST(Set, ShowsLayersByAnotherToneMappingWithoutRendering) {
   for (const auto& [key, record] : before.pictures) EXPECT_NE(after.pictures.at(key).digest, record.digest);
   EXPECT_EQ(after.tones.at("G0-MS-ind-ref-v0").tone_operator, "local");
   EXPECT_EQ(before.tones.at("G0-MS-ind-ref-v0").tone_operator, "global");
-  // A study that does not say so has layers of its own where they are planned by what is displayed.
+  // A study that does not say so has layers of its own where they are planned by what is displayed; the
+  // operator alone plans nothing where paths are fixed.
   EXPECT_EQ(make("by-itself", by_itself).layers_rendered, 22u);
+  json = Json();
+  json.set("extends", study.path().filename().string()).set("name", "local").set("tone_operator", "local");
+  EXPECT_EQ(make("local", json).layers_rendered, 0u);
 }
 
 }  // namespace

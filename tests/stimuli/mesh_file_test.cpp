@@ -159,9 +159,10 @@ TEST(MeshFiles, OfPlyMayHaveCommentsBlanksAndLineEndsOfWindows) {
 TEST(MeshFiles, WithTooManyTrianglesAtOnePointAreRefusedBeforeAllPairsAreLookedAt) {
   const TempFolder folder;
   std::string text = "v 0 0 1\n";
-  for (int i = 0; i <= 10001; ++i) text += fmt::format("v {} {} 0\n", std::cos(i * 6e-4), std::sin(i * 6e-4));
-  for (int i = 0; i <= 10000; ++i) text += fmt::format("f 1 {} {}\n", i + 2, i + 3);
-  expect_refused(folder.write("a.obj", text), "expected at most 10000 triangles at one point, got 10001");
+  for (int i = 0; i <= 20001; ++i) text += fmt::format("v {} {} 0\n", std::cos(i * 3e-4), std::sin(i * 3e-4));
+  for (int i = 0; i <= 20000; ++i) text += fmt::format("f 1 {} {}\n", i + 2, i + 3);
+  expect_refused(folder.write("a.obj", text),
+                 "expected at most 400000000 pairs of triangles that meet in a point, got 400120003");
 }
 
 TEST(MeshFiles, OpenNoPipesAndNothingOutsideTheirFolder) {
@@ -178,8 +179,18 @@ TEST(MeshFiles, OpenNoPipesAndNothingOutsideTheirFolder) {
   const std::string bytes(reinterpret_cast<const char*>(corners), sizeof corners);
   folder.write("in/a.bin", bytes);
   folder.write("out.bin", bytes);
-  EXPECT_EQ(load_mesh(folder.write("in/a.gltf", fmt::format(kGltf, "a.bin"))).triangles.size(), 1u);
-  expect_refused(folder.write("in/a.gltf", fmt::format(kGltf, "../out.bin")), "a mesh that assimp reads");
+  expect_refused(folder.write("in/a.gltf", fmt::format(kGltf, "a.bin")), "a mesh in OBJ, PLY, STL or OFF");
+}
+
+TEST(MeshFiles, WithAnEmptyFaceAreRefused) {
+  const TempFolder folder;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+      "end_header\n0 0 0\n1 0 0\n0 1 0\n";
+  expect_refused(folder.write("a.ply", head + "3 0 1 2\n0\n"), "face 1: expected at least one corner");
+  EXPECT_EQ(load_mesh(folder.write("b.ply", head + "3 0 1 2\n\n3 0 2 1\n")).triangles.size(), 1u)
+      << "a blank line is no face; the second is the first again";
 }
 
 TEST(MeshFiles, ThatAreMissingOrAFolderAreNamed) {

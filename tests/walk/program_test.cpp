@@ -180,15 +180,17 @@ TEST(Plan, TellsWhatAFolderStillLacks) {
   const test::TinyStudy study;
   const std::string root = (study.folder() / "set").string();
   const Words plan = {"plan", study.path().string(), "--out", root};
-  const std::string all = "All of it is rendered in " + root + ".",
-                    rest = "Not yet rendered in " + root + ": ";
+  const std::string all = "All of it is rendered in " + root + ".", rest = "Not yet in " + root + ": ";
   run_well("render", {"set", study.path().string(), "--out", root, "--only", "G0-MS-ind-*"});
   EXPECT_THAT(run_well("render", plan), AllOf(HasSubstr(rest), Not(HasSubstr(all))));
   run_well("render", {"set", study.path().string(), "--out", root});
   EXPECT_THAT(run_well("render", plan), AllOf(HasSubstr(all), Not(HasSubstr(rest))));
   // References are there, a layer of a VPL picture is not.
   fs::remove(study.folder() / "set/layers/G0-MS-ind-100-C4-v0.exr");
-  EXPECT_THAT(run_well("render", plan), HasSubstr(rest));
+  EXPECT_THAT(run_well("render", plan), HasSubstr(rest + "0 references and 1 layers"));
+  const test::TinyStudy other("normalise");
+  EXPECT_THAT(run_well("render", {"plan", other.path().string(), "--out", root}),
+              HasSubstr(root + " is the folder of another study"));
 }
 
 TEST_F(ProgramInput, NamesAnUnknownMeshAndItsPlace) {
