@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "base/digest.h"
+#include "base/program.h"
 #include "base/random.h"
 #include "stimuli/exr_file.h"
 #include "stimuli/png_file.h"
@@ -146,7 +147,8 @@ TEST_F(RenderSet, GivesTheSameBytesOnOneTwoAndThreeThreads) {
 TEST_F(RenderSet, KilledLeavesHalfWrittenFilesThatTheNextRunRemoves) {
   run_well("render", set_words(study_, disturbed_, 2));
   const auto whole = digest_products(disturbed_);
-  const std::string dead = ".999999999.part", alive = fmt::format(".{}.part", ::getpid());
+  const std::string host = find_host_name(), dead = fmt::format(".999999999@{}.part", host),
+                    alive = fmt::format(".{}@{}.part", ::getpid(), host);
   for (const std::string& file :
        {std::string("manifest.json"), std::string("layers/G0-MS-ind-ref-v0.coverage.exr"),
         std::string("pictures/G0-MS-ind-ref-v0.png")}) {
