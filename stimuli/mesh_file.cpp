@@ -101,9 +101,9 @@ class FilesBeside : public Assimp::DefaultIOSystem {
   std::filesystem::path mesh_, folder_;
 };
 
-// Formats of triangles alone. Those of whole scenes nest and refer: assimp follows a few bytes of theirs
-// until stack or memory end.
-constexpr std::string_view kFormats[] = {"obj", "ply", "stl", "off"};
+// Formats of triangles alone, whose numbers can be checked. Those of whole scenes nest and refer: assimp
+// follows a few bytes of theirs until stack or memory end.
+constexpr std::string_view kFormats[] = {"obj", "ply", "stl"};
 
 void forget_other_formats(Assimp::Importer& importer) {
   std::vector<Assimp::BaseImporter*> others;
@@ -143,8 +143,7 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
                                          aiProcess_SortByPType);
   }
-  if (!scene)
-    throw InputError(path.string(), "", "a mesh in OBJ, PLY, STL or OFF", importer.GetErrorString());
+  if (!scene) throw InputError(path.string(), "", "a mesh in OBJ, PLY or STL", importer.GetErrorString());
   TriangleMesh parts;
   MeshRepairs ignored;
   MeshRepairs& found = repairs ? *repairs : ignored;

@@ -179,7 +179,7 @@ TEST(MeshFiles, OpenNoPipesAndNothingOutsideTheirFolder) {
   const std::string bytes(reinterpret_cast<const char*>(corners), sizeof corners);
   folder.write("in/a.bin", bytes);
   folder.write("out.bin", bytes);
-  expect_refused(folder.write("in/a.gltf", fmt::format(kGltf, "a.bin")), "a mesh in OBJ, PLY, STL or OFF");
+  expect_refused(folder.write("in/a.gltf", fmt::format(kGltf, "a.bin")), "a mesh in OBJ, PLY or STL");
 }
 
 TEST(MeshFiles, WithAnEmptyFaceAreRefused) {
