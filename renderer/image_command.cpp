@@ -195,7 +195,7 @@ void add_image(CLI::App& app, CommandLine& line) {
   image->add_option("--out", options->out, "EXR file to write")->required();
   image->add_option("--png", options->png, "PNG to write too, through the tone curve of its own background");
   image->add_option("--tone-key", options->params.tone.key, "Key of that curve (0.18)")
-      ->check(CLI::Range(1e-6, 10.0));
+      ->check(is_in_range(1e-6, 10));
   image
       ->add_option("--tone-operator", options->params.tone.operation,
                    "global, or local: each pixel by the luminance around it (global)")

@@ -59,7 +59,13 @@ HdrImage measure_error(const SheetSource& source, const SheetCell& cell) {
   const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect");
   const HdrImage reference = composite({&background, &direct, &indirect});
   ToneCurve tone = make_tone_curve(reference, load("coverage"), source.study.tone);
-  tone.record = find_tone(source, format_key(cell.family));
+  const ToneRecord& recorded = find_tone(source, format_key(cell.family));
+  if (recorded.tone_operator != tone.record.tone_operator) {
+    throw InputError(source.folder.manifest().string(), "/tones",
+                     fmt::format("the study's operator, {}", tone.record.tone_operator),
+                     recorded.tone_operator);
+  }
+  tone.record = recorded;
   const auto noise = measure_pixel_noise(reference, load("standard_error"), tone);
   HdrImage steps(reference.width, reference.height, 1);
   std::transform(noise.begin(), noise.end(), steps.values.begin(),

@@ -70,9 +70,8 @@ std::vector<std::vector<WorkItem>> fill_runs(const std::vector<WorkItem>& items,
 
 double cost_of_cut(std::int64_t vpls) { return 50 * std::pow(static_cast<double>(vpls) / 1e5, 0.15); }
 
-double cost_of_measuring(std::int64_t vpls) {
-  return 1.75e6 * std::pow(static_cast<double>(vpls) / 1e5, 0.42);
-}
+// Points against all VPLs, and what comes with any.
+double cost_of_measuring(std::int64_t vpls) { return 1.3e6 + 1.15 * static_cast<double>(vpls); }
 
 WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }
 
@@ -85,9 +84,10 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
   WorldCosts costs;
   costs.points = pixels * object * study.subpixel_positions;
   for (const Family& family : enumerate_references(study)) {
+    if (costs.object.contains(family.object.material)) continue;
     const ReferenceParams params = make_reference_params(study, scene, family);
     costs.object[family.object.material] = estimate_object_paths(params, small, pixels);
-    costs.room = pixels * estimate_background_paths(params, small);
+    if (costs.room == 0) costs.room = pixels * estimate_background_paths(params, small);
   }
   return costs;
 }

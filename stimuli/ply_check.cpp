@@ -134,8 +134,10 @@ void add_property(Header& header, const std::vector<std::string_view>& words, co
     lines.refuse("a property of an element, with its type and name", fmt::format("{} words", words.size()));
   const Type *value = find_type(words[is_list ? 3 : 1]), *count = is_list ? find_type(words[2]) : nullptr;
   if (!value || (is_list && !count))
-    lines.refuse("types such as uchar, int and float",
-                 std::string(words[is_list && !count ? 2 : 1].substr(0, 40)));
+    lines.refuse("types such as uchar, int and float", std::string(words[!is_list ? 1
+                                                                         : count  ? 3
+                                                                                  : 2]
+                                                                       .substr(0, 40)));
   if (is_list && !header.is_text && !count->is_count)
     lines.refuse("lists that are counted in uchar, short, ushort, int or uint", std::string(count->name));
   header.elements.back().properties.push_back({is_list, is_list ? count->name : "", value->bytes});

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <set>
 #include <string>
-#include <unistd.h>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -15,31 +14,14 @@
 #include "stimuli/png_file.h"
 #include "stimuli/selection.h"
 #include "stimuli/study_folder.h"
+#include "tests/support/temp_folder.h"
 
 namespace equilux {
 
 /// A new folder in memory where there is /dev/shm, removed at the end of its scope.
-class TemporaryFolder {
+class TemporaryFolder : public TempFolder {
  public:
-  TemporaryFolder() {
-    namespace fs = std::filesystem;
-    const fs::path memory = "/dev/shm";
-    std::string name =
-        ((fs::is_directory(memory) ? memory : fs::temp_directory_path()) / "equilux-XXXXXX").string();
-    EQ_CHECK(::mkdtemp(name.data()) != nullptr, name);
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
+  TemporaryFolder() : TempFolder(find_memory_folder()) {}
 };
 
 inline std::filesystem::path protocol_path(const std::string& name) {

@@ -3,53 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 
 #include "base/error.h"
+#include "tests/support/temp_folder.h"
 
 namespace equilux {
 
-/// A folder of this program in memory where there is /dev/shm, removed at its end.
-class FuzzFolder {
- public:
-  FuzzFolder() {
-    std::error_code error;
-    const std::filesystem::path memory = "/dev/shm";
-    const bool has_memory = std::filesystem::is_directory(memory, error);
-    std::string form =
-        ((has_memory ? memory : std::filesystem::temp_directory_path()) / "equilux-fuzz-XXXXXX").string();
-    if (!::mkdtemp(form.data())) std::abort();
-    path_ = form;
-  }
-  ~FuzzFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  FuzzFolder(const FuzzFolder&) = delete;
-  FuzzFolder& operator=(const FuzzFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
-  /// Writes a file anew; gives its path.
-  std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    const auto path = path_ / name;
-    std::ofstream stream(path, std::ios::binary | std::ios::trunc);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!stream.flush()) std::abort();
-    return path;
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// The one folder of a target; one file in it is written anew each time.
-inline const FuzzFolder& fuzz_folder() {
-  static const FuzzFolder folder;
+inline const TempFolder& fuzz_folder() {
+  static const TempFolder folder(find_memory_folder());
   return folder;
 }
 

@@ -252,6 +252,13 @@ TEST(Sheet, OfErrorsReadsTheLayers) {
   const RenderedStudy study;
   SheetRequest request = study.request(SheetKind::kError);
   EXPECT_EQ(make_sheet(request).pictures, 2u);
+  Manifest manifest = load_manifest(study.folder() / "manifest.json");
+  const Manifest whole = manifest;
+  manifest.tones.at("G0-GS-ind-ref-v0").tone_operator = "local";
+  save_manifest(manifest, study.folder() / "manifest.json");
+  EXPECT_TRUE(mentions(find_refusal([&] { make_sheet(request); }),
+                       "/tones: expected the study's operator, global, got local"));
+  save_manifest(whole, study.folder() / "manifest.json");
   fs::remove(study.folder() / "layers/G0-GS-ind-ref-v0.standard_error.exr");
   EXPECT_TRUE(mentions(find_refusal([&] { make_sheet(request); }), "G0-GS-ind-ref-v0.standard_error.exr"));
 }

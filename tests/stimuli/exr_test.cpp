@@ -107,6 +107,16 @@ TEST(Exr, WithADataWindowAwayFromTheOriginIsRead) {
   }
 }
 
+TEST(Exr, OfAnotherSizeThanIsAskedForIsRefused) {
+  const TempFolder folder;
+  save_exr(HdrImage(5, 3), {}, folder / "a.exr");
+  EXPECT_EQ(load_exr(folder / "a.exr", PixelSize{5, 3}).image.width, 5);
+  EXPECT_THAT(message_of<InputError>([&] {
+                load_exr(folder / "a.exr", PixelSize{3, 5});
+              }),
+              HasSubstr("dataWindow: expected 3 x 5 pixels, got 5 x 3"));
+}
+
 TEST(Exr, OfHalfFloatsIsRead) {
   const TempFolder folder;
   write_foreign<half>(folder / "a.exr", {{0, 0}, {6, 4}}, {"R", "G", "B", "A"}, Imf::HALF);

@@ -1,4 +1,5 @@
 // Meshes from files that users bring: three formats, what is mended and what is refused.
+#include <bit>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -180,6 +181,48 @@ TEST(MeshFiles, OpenNoPipesAndNothingOutsideTheirFolder) {
   folder.write("in/a.bin", bytes);
   folder.write("out.bin", bytes);
   expect_refused(folder.write("in/a.gltf", fmt::format(kGltf, "a.bin")), "a mesh in OBJ, PLY or STL");
+}
+
+// Of a triangle, its list counted in a type and in an order of bytes.
+std::string make_binary_ply(const std::string& type, std::size_t bytes, std::int64_t count, bool big) {
+  const auto number = [&](std::uint64_t value, std::size_t size) {
+    std::string text;
+    for (std::size_t i = 0; i < size; ++i)
+      text += static_cast<char>(value >> 8 * (big ? size - 1 - i : i) & 0xff);
+    return text;
+  };
+  std::string text = fmt::format(
+      "ply\nformat binary_{}_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float "
+      "z\nelement face 1\nproperty list {} int vertex_indices\nend_header\n",
+      big ? "big" : "little", type);
+  for (const float value : {0, 0, 0, 1, 0, 0, 0, 1, 0})
+    text += number(std::bit_cast<std::uint32_t>(value), 4);
+  text += number(static_cast<std::uint64_t>(count), bytes);
+  for (const std::uint64_t index : {0, 1, 2}) text += number(index, 4);
+  return text;
+}
+
+TEST(MeshFiles, OfBinaryPlyMayCountListsInAnyIntegerThatIsNoSignedByte) {
+  const TempFolder folder;
+  const std::vector<std::pair<std::string, std::size_t>> types{{"uchar", 1},  {"uint8", 1}, {"short", 2},
+                                                               {"ushort", 2}, {"int", 4},   {"uint32", 4}};
+  for (const auto& [type, bytes] : types) {
+    for (const bool big : {false, true}) {
+      EXPECT_EQ(load_mesh(folder.write("a.ply", make_binary_ply(type, bytes, 3, big))).triangles.size(), 1u)
+          << type;
+      expect_refused(folder.write("a.ply", make_binary_ply(type, bytes, -1, big)),
+                     "as much as the header says");
+      expect_refused(folder.write("a.ply", make_binary_ply(type, bytes, 4, big)),
+                     "as much as the header says");
+    }
+  }
+  expect_refused(folder.write("a.ply", make_binary_ply("char", 1, 3, false)),
+                 "lists that are counted in uchar");
+  expect_refused(folder.write("a.ply", make_binary_ply("long", 8, 3, false)), "types such as uchar");
+  const std::string whole = make_binary_ply("uchar", 1, 3, false);
+  for (std::size_t cut = 1; cut <= 13 + 36; ++cut)
+    expect_refused(folder.write("a.ply", whole.substr(0, whole.size() - cut)), "as much as the header says");
 }
 
 TEST(MeshFiles, WithAnEmptyFaceAreRefused) {

@@ -11,10 +11,16 @@
 
 namespace equilux {
 
+/// In memory where there is /dev/shm.
+inline std::filesystem::path find_memory_folder() {
+  const std::filesystem::path memory = "/dev/shm";
+  return std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path();
+}
+
 class TempFolder {
  public:
-  TempFolder() {
-    std::string form = (std::filesystem::temp_directory_path() / "equilux-test-XXXXXX").string();
+  explicit TempFolder(const std::filesystem::path& beneath = std::filesystem::temp_directory_path()) {
+    std::string form = (beneath / "equilux-test-XXXXXX").string();
     if (!::mkdtemp(form.data())) throw std::runtime_error("cannot make a folder " + form);
     path_ = form;
   }
