@@ -2,6 +2,7 @@
 #include "renderer/reference.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace equilux {
@@ -52,6 +53,49 @@ PathMaps allot_by(const TracedLayers& pilot, const PathMaps& maps, const HdrImag
 
 PathMap make_no_paths(const PathMap& map) { return PathMap(map.size(), 0); }
 
+// A pilot's smoothed spread lies above what many paths show, so that the room would err by less than is
+// asked. A second pilot takes the planned paths at every so many-th line and column: as many pixels as tell
+// the mean error to a fiftieth.
+constexpr double kLookedAt = 6000;
+// What the room is foreseen to err by over what is asked: that the pixels are few and grey is not every
+// material.
+constexpr double kMarginOfRoom = 0.96;
+// Against a second pilot that saw hardly anything.
+constexpr double kLeastScale = 0.4, kMostScale = 2.5;
+
+// 0 where pixels outside the object are too few for it to be worth while.
+std::size_t find_look_stride(const HdrImage& coverage) {
+  const auto outside = std::count(coverage.values.begin(), coverage.values.end(), 0.f);
+  const auto stride = static_cast<std::size_t>(std::sqrt(static_cast<double>(outside) / kLookedAt));
+  return stride < 2 ? 0 : stride;
+}
+
+// The pilot's picture, the room as it was looked at: a curve from pixels of few paths would be too bright,
+// since noise lowers a mean of logarithms.
+HdrImage show_look(const TracedLayers& pilot, const TracedLayer& look, const PathMap& map,
+                   std::size_t stride) {
+  HdrImage image = composite({&pilot.background.mean, &pilot.direct.mean, &pilot.indirect.mean});
+  const auto width = static_cast<std::size_t>(image.width);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const std::size_t x = i % width, y = i / width, seen = (y - y % stride) * width + x - x % stride;
+    if (map[seen] > 0) std::copy_n(look.mean.pixel(seen), 3, image.pixel(i));
+  }
+  return image;
+}
+
+// What the room's paths are to be multiplied by, by the mean displayed error of those pixels.
+double find_scale(const HdrImage& reference, const TracedLayer& look, const PathMap& map,
+                  const HdrImage& coverage, const ReferenceParams& params) {
+  const ToneCurve tone = make_tone_curve(reference, coverage, params.tone);
+  const std::vector<double> noise = measure_pixel_noise(reference, look.standard_error, tone);
+  double sum = 0, pixels = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map[i] > 0) sum += noise[i], ++pixels;
+  }
+  const double miss = sum / pixels / (kMarginOfRoom * params.target.outside_mean);
+  return std::clamp(miss * miss, kLeastScale, kMostScale);
+}
+
 double count_background(const Primary& primary, const PathMap& map) {
   return count_paths(primary, {map, make_no_paths(map), make_no_paths(map)});
 }
@@ -97,6 +141,33 @@ double estimate_object_paths(const ReferenceParams& params, const Primary& prima
   return traced + pixels * count_object(primary, make_pilot_maps(primary));
 }
 
+namespace {
+
+// Scales the room's paths to what they are seen to do.
+void look_again(const World& world, const Primary& primary, const TracedLayers& pilot,
+                const HdrImage& coverage, const ReferenceParams& params, const FamilyProgress& progress,
+                PathMap& map) {
+  const std::size_t stride = find_look_stride(coverage), width = static_cast<std::size_t>(coverage.width);
+  if (stride == 0) return;
+  PathMap some = map;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    if (coverage.values[i] > 0 || i % width % stride != 0 || i / width % stride != 0) some[i] = 0;
+  }
+  progress.expect_more(count_background(primary, some));
+  const TracedLayer look =
+      trace_layers({world, make_grey_materials(world), primary},
+                   {some, make_no_paths(map), make_no_paths(map)}, params.seed,
+                   params.background_stream_name + ".second-pilot", params.measures, progress.advance)
+          .background;
+  const double scale = find_scale(show_look(pilot, look, some, stride), look, some, coverage, params);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (coverage.values[i] == 0)
+      map[i] = static_cast<std::uint32_t>(std::max(1L, std::lround(scale * map[i])));
+  }
+}
+
+}  // namespace
+
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
                                const FamilyProgress& progress) {
   if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background, {}, {}};
@@ -106,6 +177,7 @@ BackgroundPlan plan_background(const World& world, const Primary& primary, const
                    params.background_stream_name + ".pilot", params.measures, progress.advance);
   const HdrImage coverage = make_coverage(primary);
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
+  look_again(world, primary, pilot, coverage, params, progress, map);
   const auto most = static_cast<std::uint32_t>(kMostPathsAPixel / (kBatches * primary.positions));
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (coverage.values[i] > 0) map[i] = std::min(map[i] * kSilhouetteMargin, most);
