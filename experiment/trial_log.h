@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,9 +14,15 @@
 
 namespace equilux {
 
-inline constexpr int kLogSchemaVersion = 1;  ///< PRAGMA user_version of the file
+inline constexpr int kLogSchemaVersion = 2;  ///< PRAGMA user_version of the file
 
 enum class Side { kLeft, kRight };
+
+/// Why a pair is shown. Only answers of the main phase are counted; catch trials, of a known answer, tell
+/// whether a subject attends.
+enum class Phase { kPractice, kMain, kCatch };
+
+std::string format_phase(Phase phase);
 
 /// What a session was made from: resuming or repeating it with others is an error.
 struct SessionDigests {
@@ -24,6 +31,7 @@ struct SessionDigests {
   std::string windows;    ///< empty in material sessions
   std::string selection;  ///< empty in artifact sessions
   std::string truth;      ///< empty unless planted
+  std::string protocol;   ///< of session.json; empty before schema 2
   bool operator==(const SessionDigests&) const = default;
 };
 
@@ -48,12 +56,16 @@ struct SessionRow {
   SessionDigests digests;
   ScreenRecord screen;
   std::string started_utc;
-  bool complete = false;  ///< set only at the very end
+  bool complete = false;                      ///< set only at the very end
+  std::string uuid;                           ///< the same session in any log; drawn where empty
+  std::string station;                        ///< of the log in which it was begun; by the log
+  std::map<std::string, std::string> fields;  ///< what was asked and measured at its start, by name
 };
 
 /// One scheduled trial; the last three are empty until it is answered.
 struct TrialRow {
-  int number = 0;         ///< 0 .. n-1, order of showing
+  int number = 0;  ///< 0 .. n-1, order of showing
+  Phase phase = Phase::kMain;
   Cell cell;              ///< what is counted
   std::string test_key;   ///< the VPL picture
   std::string pair_key;   ///< the reference beside it
@@ -63,6 +75,7 @@ struct TrialRow {
   std::optional<std::int64_t>
       response_time_ns;  ///< monotonic clock, from the onset of this showing to the press
   std::optional<std::string> answered_utc;
+  bool too_fast = false;  ///< answered in less than the protocol's least time
 };
 
 /// An answer as the session reports it.
@@ -70,6 +83,7 @@ struct Answer {
   int trial = 0;
   Side side = Side::kLeft;
   std::int64_t response_time_ns = 0;
+  bool too_fast = false;
 };
 
 /// One answer of a finished session.
@@ -83,9 +97,13 @@ struct AnswerRow {
 /// The log. One committed transaction for each change; a database that cannot be written throws StoreError.
 class TrialLog {
  public:
-  /// Opens, or makes where `create`. errors: InputError for a file that is no log, has a newer schema, or is
-  /// missing and not to be made; StoreError where WAL cannot work.
+  /// Opens, or makes where `create`; brings one of an older schema up to this one, keeping a copy. errors:
+  /// InputError for a file that is no log, has a newer schema, or is missing and not to be made; StoreError
+  /// where WAL cannot work.
   explicit TrialLog(const std::filesystem::path& path, bool create = false);
+  /// The log as its last commit left it, in memory: the file and what stands beside it are not touched.
+  /// errors: as above
+  static TrialLog load_snapshot(const std::filesystem::path& path);
   ~TrialLog();
   TrialLog(TrialLog&&) noexcept;
   TrialLog& operator=(TrialLog&&) noexcept;
@@ -109,10 +127,13 @@ class TrialLog {
   /// Any other thing that happened. `detail` is free text.
   void append_event(std::int64_t session, const std::string& kind, std::int64_t time_ns,
                     const std::string& detail = "");
+  /// What became known after the session's start; each name once. errors: StoreError
+  void append_field(std::int64_t session, const std::string& name, const std::string& value);
   /// Marks the session complete. errors: StoreError if a trial is unanswered.
   void finish_session(std::int64_t session, std::int64_t time_ns);
 
-  /// Answers of the complete sessions of a kind and experiment, in order of session and trial.
+  /// Answers of the main phase, of the complete sessions of a kind and experiment, in order of session and
+  /// trial.
   std::vector<AnswerRow> load_answers(SubjectKind kind, Experiment experiment) const;
 
   /// A PRAGMA as this connection has it, by its name: journal_mode, synchronous, foreign_keys.
@@ -120,6 +141,7 @@ class TrialLog {
 
  private:
   struct Impl;
+  explicit TrialLog(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

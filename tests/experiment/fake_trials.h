@@ -32,7 +32,7 @@ inline SessionRow make_fake_session(std::int64_t index = 0, SubjectKind kind = S
   row.subject_index = index;
   row.seed = 42 + static_cast<std::uint64_t>(index);
   row.program_version = "0.1.0";
-  row.digests = {"study", "manifest", "windows", "", ""};
+  row.digests = {"study", "manifest", "windows", "", "", ""};
   row.started_utc = "2026-01-31T12:00:00.000Z";
   return row;
 }

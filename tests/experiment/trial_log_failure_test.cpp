@@ -77,8 +77,8 @@ TEST_F(TrialLogFailure, AnotherProgramsDatabaseIsLeftAlone) {
 
 TEST_F(TrialLogFailure, ANewerSchemaIsRefused) {
   make_log(1);
-  RawDatabase(path_).query("PRAGMA user_version = 2");
-  expect_open_error<InputError>("2, of a newer Equilux");
+  RawDatabase(path_).query("PRAGMA user_version = 3");
+  expect_open_error<InputError>("3, of a newer Equilux");
 }
 
 TEST_F(TrialLogFailure, ATruncatedFileIsRefused) {

@@ -24,7 +24,8 @@ class TrialLogTest : public ::testing::Test {
 TEST_F(TrialLogTest, GivesBackASessionAsItWasAppended) {
   SessionRow row = make_fake_session(3, SubjectKind::kPlanted, Experiment::kMaterial);
   row.seed = (std::uint64_t{1} << 63) - 1;
-  row.digests = {"s", "m", "", "sel", "t"};
+  row.digests = {"s", "m", "", "sel", "t", "p"};
+  row.fields = {{"age_band", "20-29"}, {"consent_version", "1"}};
   row.screen = {"HDMI-1", 1920, 1080, 0.4572, 16.25, 12.125};
   TrialLog log(path_, true);
   row.id = log.append_session(row, make_fake_trials(2));
@@ -47,6 +48,51 @@ TEST_F(TrialLogTest, GivesBackASessionAsItWasAppended) {
   EXPECT_EQ(loaded.screen.degrees_high, std::optional(12.125));
   EXPECT_EQ(loaded.started_utc, row.started_utc);
   EXPECT_FALSE(loaded.complete);
+  EXPECT_EQ(loaded.fields, row.fields);
+  EXPECT_EQ(loaded.uuid.size(), 32u);
+  EXPECT_EQ(loaded.station.size(), 32u);
+}
+
+TEST_F(TrialLogTest, KeepsWhyAPairIsShownAndWhetherItsAnswerCameTooSoon) {
+  TrialLog log(path_, true);
+  auto trials = make_fake_trials(3);
+  trials[0].phase = Phase::kPractice;
+  trials[2].phase = Phase::kCatch;
+  const auto session = log.append_session(make_fake_session(), trials);
+  log.append_answer(session, {1, Side::kLeft, 1000, true}, 2, 5000);
+  const auto loaded = log.load_trials(session);
+  EXPECT_EQ(loaded[0].phase, Phase::kPractice);
+  EXPECT_EQ(loaded[1].phase, Phase::kMain);
+  EXPECT_EQ(loaded[2].phase, Phase::kCatch);
+  EXPECT_TRUE(loaded[1].too_fast);
+  EXPECT_FALSE(loaded[0].too_fast);
+}
+
+TEST_F(TrialLogTest, CountsAnswersOfTheMainPhaseAlone) {
+  TrialLog log(path_, true);
+  auto trials = make_fake_trials(4);
+  trials[0].phase = Phase::kPractice;
+  trials[3].phase = Phase::kCatch;
+  answer_all(log, log.append_session(make_fake_session(), trials), 4);
+  EXPECT_EQ(log.load_answers(SubjectKind::kPerson, Experiment::kArtifact).size(), 2u);
+}
+
+TEST_F(TrialLogTest, KeepsAFieldOnce) {
+  TrialLog log(path_, true);
+  const auto session = log.append_session(make_fake_session(), make_fake_trials(1));
+  log.append_field(session, "refresh_hz", "59.94");
+  EXPECT_EQ(log.load_sessions().at(0).fields.at("refresh_hz"), "59.94");
+  EXPECT_THROW(log.append_field(session, "refresh_hz", "60"), StoreError);
+}
+
+TEST_F(TrialLogTest, IsForItsOwnersEyesAlone) {
+  TrialLog log(path_, true);
+  log.append_session(make_fake_session(), make_fake_trials(1));
+  namespace fs = std::filesystem;
+  for (const char* suffix : {"", "-wal", "-shm"}) {
+    const fs::perms permissions = fs::status(path_.string() + suffix).permissions();
+    EXPECT_EQ(permissions, fs::perms::owner_read | fs::perms::owner_write) << suffix;
+  }
 }
 
 TEST_F(TrialLogTest, KeepsWhatIsNotKnownOfAScreenEmpty) {

@@ -1,0 +1,245 @@
+// Checks and migrations of responses.sqlite.
+#include "experiment/log_schema.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <random>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "experiment/trial_log.h"
+
+namespace equilux {
+
+extern const char kResponsesSchema[];
+
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kApplicationId = 0x45514C58;  // "EQLX"
+constexpr std::size_t kIdentityDigits = 32;
+constexpr const char* kInMemory = ":memory:";  // SQLite's name for no file
+
+// Files of nobody: new ones, and those whose maker was killed before its first transaction.
+bool is_empty(const Database& database) {
+  return load_integer(database, "PRAGMA application_id") == 0 &&
+         load_integer(database, "PRAGMA user_version") == 0 &&
+         load_integer(database, "SELECT count(*) FROM sqlite_schema") == 0;
+}
+
+void write_tables(const Database& database, const std::string& station) {
+  database.execute(kResponsesSchema);
+  Statement(database, "INSERT INTO log (id, station) VALUES (1, ?)", station).run();
+  database.execute(fmt::format("PRAGMA application_id = {}", kApplicationId));
+  database.execute(fmt::format("PRAGMA user_version = {}", kLogSchemaVersion));
+}
+
+void make_tables(const Database& database) {
+  Transaction transaction(database);
+  if (!is_empty(database)) return;  // another program was faster
+  write_tables(database, draw_identity());
+  transaction.commit();
+}
+
+void check_is_log(const Database& database) {
+  const std::int64_t application = load_integer(database, "PRAGMA application_id");
+  if (application != kApplicationId) {
+    throw InputError(database.name(), "PRAGMA application_id", fmt::format("{}, a log's", kApplicationId),
+                     fmt::format("{}", application));
+  }
+  const std::int64_t version = load_integer(database, "PRAGMA user_version");
+  if (version < 1 || version > kLogSchemaVersion) {
+    throw InputError(database.name(), "PRAGMA user_version",
+                     fmt::format("schema version 1 to {}", kLogSchemaVersion),
+                     version > kLogSchemaVersion ? fmt::format("{}, of a newer Equilux", version)
+                                                 : fmt::format("{}", version));
+  }
+}
+
+void check_is_whole(const Database& database) {
+  Statement statement(database, "PRAGMA quick_check(1)");
+  std::string result = statement.step() ? statement.text(0) : "nothing";
+  std::replace(result.begin(), result.end(), '\n', ' ');
+  if (result != "ok") throw InputError(database.name(), "", "a whole log of responses", result);
+}
+
+// The WAL's index is shared memory, which other machines do not see. source: sqlite.org/wal.html
+void check_file_system(const Database& database) {
+  struct statfs system {};
+  if (::statfs(database.name().c_str(), &system) != 0) return;
+  constexpr std::uint32_t kNfs = 0x6969, kSmb = 0x517B, kSmb2 = 0xFE534D42, kCifs = 0xFF534D42;
+  const auto type = static_cast<std::uint32_t>(system.f_type);
+  if (type == kNfs || type == kSmb || type == kSmb2 || type == kCifs) {
+    database.fail_store("a log cannot be kept on a network file system; use a local disk");
+  }
+}
+
+// A session of schema 1 had no identity: it gets one from what it was, the same in every copy of its log.
+std::string find_old_identity(const Statement& row) {
+  std::string text = "session of schema 1";
+  for (int column = 1; column <= 5; ++column) text += "\n" + row.text(column);
+  return digest_text(text).substr(0, kIdentityDigits);
+}
+
+struct OldSession {
+  std::int64_t id = 0;
+  std::string identity;
+};
+
+std::vector<OldSession> load_old_sessions(const Database& database) {
+  Statement row(database,
+                "SELECT old_session.id, kind, experiment, code, seed, started_utc FROM old_session"
+                " JOIN old_participant ON old_participant.id = participant ORDER BY old_session.id");
+  std::vector<OldSession> sessions;
+  while (row.step()) sessions.push_back({row.integer(0), find_old_identity(row)});
+  return sessions;
+}
+
+void copy_old_sessions(const Database& database, const std::vector<OldSession>& sessions) {
+  for (const OldSession& session : sessions) {
+    Statement(database,
+              "INSERT INTO session SELECT id, ?, ?, participant, kind, experiment, subject_index, seed,"
+              " program_version, study_digest, manifest_digest, windows_digest, selection_digest,"
+              " truth_digest, '', monitor, framebuffer_width, framebuffer_height, viewing_distance_m,"
+              " degrees_wide, degrees_high, started_utc, complete FROM old_session WHERE id = ?",
+              session.identity, sessions.front().identity, session.id)
+        .run();
+  }
+}
+
+// In one transaction, foreign keys off.
+void migrate_from_1(const Database& database) {
+  for (const char* table : {"participant", "session", "trial", "event"})
+    database.execute(fmt::format("ALTER TABLE {} RENAME TO old_{}", table, table));
+  const std::vector<OldSession> sessions = load_old_sessions(database);
+  write_tables(database, sessions.empty() ? draw_identity() : sessions.front().identity);
+  database.execute("INSERT INTO participant SELECT id, code FROM old_participant");
+  copy_old_sessions(database, sessions);
+  database.execute(
+      "INSERT INTO trial SELECT session, trial, 'main', cell, test_key, pair_key, upper_key, test_side, "
+      "answer,"
+      " response_time_ns, answered_utc, 0 FROM old_trial");
+  database.execute(
+      "INSERT INTO event SELECT id, session, trial, kind, time_ns, recorded_utc, detail FROM old_event");
+  for (const char* table : {"event", "trial", "session", "participant"})
+    database.execute(fmt::format("DROP TABLE old_{}", table));
+}
+
+std::int64_t load_version(const Database& database) { return load_integer(database, "PRAGMA user_version"); }
+
+void migrate(const Database& database) {
+  database.execute("PRAGMA foreign_keys = OFF");
+  Transaction transaction(database);
+  if (load_version(database) == kLogSchemaVersion) return;  // another program was faster
+  migrate_from_1(database);
+  if (Statement(database, "PRAGMA foreign_key_check").step())
+    throw InputError(database.name(), "PRAGMA foreign_key_check",
+                     "rows whose sessions and participants exist", "some that refer to nothing");
+  transaction.commit();
+}
+
+fs::path name_kept_copy(const fs::path& path, std::int64_t version, int number) {
+  const std::string count = number == 1 ? "" : fmt::format("-{}", number);
+  return path.parent_path() /
+         fmt::format("{}.v{}{}{}", path.stem().string(), version, count, path.extension().string());
+}
+
+// Made whole under another name first; never over one that is there.
+void keep_copy(const Database& database) {
+  int number = 1;
+  while (fs::exists(name_kept_copy(database.path(), load_version(database), number))) ++number;
+  const fs::path kept = name_kept_copy(database.path(), load_version(database), number);
+  const fs::path part = kept.string() + ".part";
+  fs::remove(part);
+  {
+    const int file = ::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+    if (file < 0)
+      database.fail_store(fmt::format("cannot keep a copy as {}: {}", part.string(), std::strerror(errno)));
+    ::close(file);
+    const Database copy(part, OpenMode::kWrite);
+    copy_database(database, copy);
+    read_setting(copy, "journal_mode = DELETE");
+  }
+  fs::rename(part, kept);
+}
+
+// Nothing is written before the file is known to be a log, or to be nobody's.
+void prepare(Database& database, bool create) {
+  const bool empty = is_empty(database);
+  if (!empty || !create) {
+    if (empty) throw InputError(database.name(), "", "a log of responses", "an empty file");
+    check_is_log(database);
+    check_is_whole(database);
+  }
+  check_file_system(database);
+  require_setting(database, "journal_mode", "WAL", "wal");
+  require_setting(database, "synchronous", "FULL", "2");
+  if (empty) {
+    make_tables(database);
+  } else if (load_version(database) < kLogSchemaVersion) {
+    keep_copy(database);
+    migrate(database);
+  }
+  require_setting(database, "foreign_keys", "ON", "1");
+  database.vouch();
+}
+
+void check_exists(const fs::path& path, bool create) {
+  if (fs::is_directory(path)) throw InputError(path.string(), "", "a log of responses", "a folder");
+  if (!create && !fs::exists(path))
+    throw InputError(path.string(), "", "a log of responses", "nothing of that name");
+}
+
+// For its owner alone; SQLite gives the WAL and its index the same permissions.
+void make_private(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
+  if (file >= 0) ::close(file);
+}
+
+}  // namespace
+
+std::string draw_identity() {
+  std::random_device entropy;
+  std::string digits;
+  while (digits.size() < kIdentityDigits)
+    digits += fmt::format("{:08x}", static_cast<std::uint32_t>(entropy()));
+  return digits;
+}
+
+Database open_log(const fs::path& path, bool create) {
+  check_exists(path, create);
+  if (create && path != kInMemory) make_private(path);
+  Database database(path, create ? OpenMode::kCreate : OpenMode::kWrite);
+  prepare(database, create);
+  return database;
+}
+
+Database open_log_snapshot(const fs::path& path) {
+  check_exists(path, false);
+  Database database(path, OpenMode::kMemory);
+  copy_database(Database(path, OpenMode::kRead), database);
+  if (is_empty(database)) throw InputError(database.name(), "", "a log of responses", "an empty file");
+  check_is_log(database);
+  check_is_whole(database);
+  if (load_version(database) < kLogSchemaVersion) migrate(database);
+  require_setting(database, "foreign_keys", "ON", "1");
+  database.vouch();
+  return database;
+}
+
+std::vector<fs::path> find_kept_copies(const fs::path& path) {
+  std::vector<fs::path> copies;
+  for (std::int64_t version = 1; version < kLogSchemaVersion; ++version) {
+    for (int number = 1; fs::exists(name_kept_copy(path, version, number)); ++number)
+      copies.push_back(name_kept_copy(path, version, number));
+  }
+  return copies;
+}
+
+}  // namespace equilux
