@@ -33,6 +33,18 @@ void tell_of_interruption(const std::string& name) {
   }
 }
 
+// Seconds since 1970 of such a time.
+double parse_utc(const std::string& text) {
+  std::tm utc{};
+  double seconds = 0;
+  if (std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%lfZ", &utc.tm_year, &utc.tm_mon, &utc.tm_mday,
+                  &utc.tm_hour, &utc.tm_min, &seconds) != 6)
+    throw InputError("UTC", "", "a time such as 2026-01-31T12:00:00.000Z", text);
+  utc.tm_year -= 1900;
+  utc.tm_mon -= 1;
+  return static_cast<double>(timegm(&utc)) + seconds;
+}
+
 }  // namespace
 
 int run_program(const std::string& name, const std::function<int()>& body) {
@@ -61,6 +73,10 @@ std::string format_utc_now() {
   gmtime_r(&seconds, &utc);
   return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900, utc.tm_mon + 1,
                      utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec, milliseconds);
+}
+
+double count_hours(const std::string& from_utc, const std::string& to_utc) {
+  return (parse_utc(to_utc) - parse_utc(from_utc)) / 3600;
 }
 
 std::string find_host_name() {

@@ -20,4 +20,7 @@ std::string find_host_name();
 /// Now in UTC, ISO 8601 with milliseconds: "2026-01-31T12:00:00.000Z".
 std::string format_utc_now();
 
+/// Hours from one such time to another. errors: InputError for a text that is none
+double count_hours(const std::string& from_utc, const std::string& to_utc);
+
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #include "experiment/open_session.h"
 
 #include <algorithm>
+#include <iterator>
 #include <random>
 #include <type_traits>
 
@@ -72,6 +73,7 @@ void check_same_digests(const SessionRow& earlier, const SessionDigests& now, co
   for (const auto& [name, member] :
        {NamedDigest{"study", &SessionDigests::study}, NamedDigest{"windows", &SessionDigests::windows},
         NamedDigest{"selection", &SessionDigests::selection}, NamedDigest{"truth", &SessionDigests::truth},
+        NamedDigest{"session protocol", &SessionDigests::protocol},
         NamedDigest{"pictures", &SessionDigests::manifest}}) {
     if (earlier.digests.*member != now.*member) {
       throw InputError(folder.root.string(), name,
@@ -94,9 +96,48 @@ std::string describe_resume(const ScreenRecord& screen) {
   return format_canonical_json(detail);
 }
 
-OpenSession resume_session(TrialLog& log, const SessionRow& row, const ScreenRecord& screen) {
-  log.append_event(row.id, "resume", 0, describe_resume(screen));
-  return {row, make_session(row.experiment, log.load_trials(row.id)), true};
+SessionRules make_rules(const SessionInputs& inputs) {
+  SessionRules rules;
+  rules.familiar_pages = static_cast<int>(inputs.familiar_pages.size());
+  rules.break_every_trials = inputs.protocol.break_every_trials;
+  if (inputs.protocol.break_every_minutes)
+    rules.break_every_ns = static_cast<std::int64_t>(*inputs.protocol.break_every_minutes * 60e9);
+  rules.least_response_ns = std::int64_t{inputs.protocol.least_response_ms} * 1'000'000;
+  return rules;
+}
+
+// The last thing that is known of a session.
+std::string find_last_utc(const SessionRow& row, const std::vector<TrialRow>& trials) {
+  std::string last = row.started_utc;
+  for (const TrialRow& trial : trials) {
+    if (trial.answered_utc) last = std::max(last, *trial.answered_utc);
+  }
+  return last;
+}
+
+void check_may_resume(const SessionInputs& inputs, const SessionRow& row, const std::vector<TrialRow>& trials,
+                      const std::string& now_utc) {
+  const auto refuse = [&](const std::string& expected, const std::string& got) {
+    throw InputError(inputs.folder.session().string(), "/resume", expected,
+                     fmt::format("session {} of {}, {}", row.id, row.participant, got));
+  };
+  if (!inputs.protocol.may_resume) refuse("sessions that run in one go", "which was interrupted");
+  if (!inputs.protocol.resume_within_hours) return;
+  const std::string last = find_last_utc(row, trials);
+  const double hours = count_hours(last, now_utc.empty() ? format_utc_now() : now_utc);
+  if (hours > *inputs.protocol.resume_within_hours) {
+    refuse(fmt::format("a session that was interrupted at most {} hours ago",
+                       *inputs.protocol.resume_within_hours),
+           fmt::format("whose last answer or start was at {}, {:.1f} hours ago", last, hours));
+  }
+}
+
+OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
+                           const SessionRequest& request) {
+  std::vector<TrialRow> trials = log.load_trials(row.id);
+  check_may_resume(inputs, row, trials, request.now_utc);
+  log.append_event(row.id, "resume", 0, describe_resume(request.screen));
+  return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true};
 }
 
 OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
@@ -109,11 +150,13 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
   row.program_version = kVersion;
   row.digests = inputs.digests;
   row.screen = request.screen;
+  row.fields = request.fields;
   row.started_utc = format_utc_now();
-  auto trials =
-      make_schedule(inputs.study, inputs.experiment, inputs.cells, inputs.kind, row.seed, row.subject_index);
+  auto trials = add_extra_trials(
+      make_schedule(inputs.study, inputs.experiment, inputs.cells, inputs.kind, row.seed, row.subject_index),
+      inputs.study, inputs.protocol, inputs.experiment, inputs.kind, row.seed, row.subject_index);
   row.id = log.append_session(row, trials);
-  return {row, make_session(inputs.experiment, std::move(trials)), false};
+  return {row, make_session(inputs.experiment, std::move(trials), make_rules(inputs)), false};
 }
 
 }  // namespace
@@ -123,9 +166,17 @@ std::optional<TrialLog> find_log(const StudyFolder& folder) {
   return TrialLog(folder.responses(), true);
 }
 
+std::vector<std::string> enumerate_session_keys(const SessionInputs& inputs) {
+  std::vector<std::string> keys = enumerate_showable(inputs.study, inputs.experiment, inputs.cells);
+  const auto extra = enumerate_extra_keys(inputs.study, inputs.protocol, inputs.experiment);
+  std::vector<std::string> all;
+  std::set_union(keys.begin(), keys.end(), extra.begin(), extra.end(), std::back_inserter(all));
+  return all;
+}
+
 SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log,
                                   const SessionRequest& request) {
-  SessionInputs inputs{folder, request.experiment, request.kind, load_folder_study(folder), {}, {}};
+  SessionInputs inputs{folder, request.experiment, request.kind, load_folder_study(folder), {}, {}, {}, {}};
   const Manifest manifest = load_checked_manifest(folder, inputs.study);
   inputs.digests.study = inputs.study.digest;
   if (request.experiment == Experiment::kArtifact) {
@@ -144,7 +195,10 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
   if (request.kind == SubjectKind::kPlanted) {
     inputs.digests.truth = load_truth(request.truth.value_or(folder.truth()), inputs.study).digest;
   }
-  const auto keys = enumerate_showable(inputs.study, request.experiment, inputs.cells);
+  inputs.protocol = load_session_protocol(folder.session());
+  inputs.digests.protocol = inputs.protocol.digest;
+  inputs.familiar_pages = enumerate_familiar_pages(inputs.study, inputs.protocol, inputs.experiment);
+  const auto keys = enumerate_session_keys(inputs);
   inputs.digests.manifest = digest_pictures(manifest, keys, folder.manifest().string());
   refuse_findings(verify_pictures(folder, inputs.study, manifest, keys), folder);
   return inputs;
@@ -165,7 +219,7 @@ OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const Sessi
     }
     unfinished = row;
   }
-  return unfinished ? resume_session(log, *unfinished, request.screen) : begin_session(inputs, log, request);
+  return unfinished ? resume_session(inputs, log, *unfinished, request) : begin_session(inputs, log, request);
 }
 
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request) {
@@ -183,6 +237,8 @@ void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& eff
       log.finish_session(session, what.time_ns);
     } else if constexpr (std::is_same_v<Effect, RecordAbort>) {
       log.append_event(session, "abort", what.time_ns, what.reason);
+    } else if constexpr (std::is_same_v<Effect, RecordNote>) {
+      log.append_event(session, what.kind, what.time_ns, what.detail);
     }
   };
   std::visit(record, effect);

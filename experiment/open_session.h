@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "experiment/extra_trials.h"
 #include "experiment/session.h"
 #include "experiment/trial_log.h"
 #include "stimuli/study_folder.h"
@@ -20,6 +22,8 @@ struct SessionRequest {
   std::uint64_t seed = 0;                      ///< of a new session; a resumed one keeps its own
   std::optional<std::filesystem::path> truth;  ///< planted subjects only
   ScreenRecord screen;
+  std::map<std::string, std::string> fields = {};  ///< of a new session
+  std::string now_utc = {};  ///< for the age limit of a resume; the system clock where empty
 };
 
 struct OpenSession {
@@ -36,10 +40,15 @@ struct SessionInputs {
   Study study;
   std::vector<Cell> cells;
   SessionDigests digests;
+  SessionProtocol protocol;
+  std::vector<FamiliarPage> familiar_pages;
 };
 
 /// The folder's log; empty where no session has begun yet. errors: as TrialLog
 std::optional<TrialLog> find_log(const StudyFolder& folder);
+
+/// Every picture that a session of these inputs may show, each once, sorted.
+std::vector<std::string> enumerate_session_keys(const SessionInputs& inputs);
 
 /// Of the request only experiment, kind and truth count. `log` is null where no session has begun: a log is
 /// made only for a session that can begin, since the pictures of a folder with a log may not change any more.
@@ -50,8 +59,9 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
 
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
-/// picture is missing, if the participant has finished this experiment, or if an earlier session of this
-/// experiment and kind was made from other digests; StoreError from the log.
+/// picture is missing, if the participant has finished this experiment, if the protocol lets nobody go on
+/// with an interrupted session, or not after so long, or if an earlier session of this experiment and kind
+/// was made from other digests; StoreError from the log.
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request);
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request);
 

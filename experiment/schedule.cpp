@@ -120,6 +120,12 @@ std::vector<Cell> enumerate_artifact_cells(const Study& study, const Windows& wi
   return cells;
 }
 
+TrialRow make_trial(const Study& study, Experiment experiment, const Cell& cell, unsigned combo,
+                    const std::string& material) {
+  if (experiment == Experiment::kArtifact) return make_artifact_trial(cell, combo, material);
+  return make_material_trial(cell, combo, study.view_mode);
+}
+
 std::vector<TrialRow> make_schedule(const Study& study, Experiment experiment, const std::vector<Cell>& cells,
                                     SubjectKind kind, std::uint64_t session_seed, std::int64_t index) {
   EQ_CHECK(index >= 0, index);
@@ -131,12 +137,10 @@ std::vector<TrialRow> make_schedule(const Study& study, Experiment experiment, c
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell& cell = cells[i];
     const unsigned combo = offsets[i] ^ turn;
-    if (experiment == Experiment::kArtifact) {
-      const std::string material = draw_reference_material(draw, materials.at(cell.column.object), i);
-      trials.push_back(make_artifact_trial(cell, combo, material));
-    } else {
-      trials.push_back(make_material_trial(cell, combo, study.view_mode));
-    }
+    const std::string material = experiment == Experiment::kArtifact
+                                     ? draw_reference_material(draw, materials.at(cell.column.object), i)
+                                     : "";
+    trials.push_back(make_trial(study, experiment, cell, combo, material));
   }
   RandomStream order(session_seed, stream_name(experiment, kind, "order"), draw.index);
   shuffle(trials, order);

@@ -20,6 +20,11 @@ std::vector<Cell> enumerate_artifact_cells(const Study& study, const Windows& wi
 std::vector<TrialRow> make_schedule(const Study& study, Experiment experiment, const std::vector<Cell>& cells,
                                     SubjectKind kind, std::uint64_t session_seed, std::int64_t index);
 
+/// One trial of a cell. `combo`: side of the test picture (low bit: right) and its view (high bit).
+/// `material`: of the reference beside it, in artifact trials.
+TrialRow make_trial(const Study& study, Experiment experiment, const Cell& cell, unsigned combo,
+                    const std::string& material);
+
 /// Every picture that the trials show, each once, sorted.
 std::vector<std::string> enumerate_shown(const std::vector<TrialRow>& trials);
 

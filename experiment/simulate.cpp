@@ -37,12 +37,21 @@ class Sitting {
   }
 
   void run() {
-    carry_out(advance(open_.session, ContinueEvent{clock_ns_}));
-    while (open_.session.screen == Screen::kTrial) answer_trial();
+    while (!is_over()) {
+      if (open_.session.screen == Screen::kTrial) {
+        answer_trial();
+      } else {
+        carry_out(advance(open_.session, ContinueEvent{clock_ns_}));  // no time passes on a page
+      }
+    }
     EQ_CHECK(open_.session.screen == Screen::kThanks);
   }
 
  private:
+  bool is_over() const {
+    return open_.session.screen == Screen::kThanks || open_.session.screen == Screen::kAborted;
+  }
+
   void answer_trial() {
     const TrialRow& trial = open_.session.trials[static_cast<std::size_t>(open_.session.current)];
     const Side side = choose_planted_side(truth_, subject_, trial);

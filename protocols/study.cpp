@@ -131,7 +131,7 @@ std::vector<Family> in_both_views(const std::vector<Object>& objects) {
 constexpr int kMostExtensions = 8;
 
 // Names of files that stand beside the study that names them.
-constexpr const char* kFileMembers[] = {"scene", "windows", "truth"};
+constexpr const char* kFileMembers[] = {"scene", "windows", "truth", "session"};
 
 fs::path folder_of(const fs::path& file) {
   return fs::absolute(file.has_parent_path() ? file.parent_path() : fs::path(".")).lexically_normal();
@@ -195,6 +195,7 @@ Study load_study(const fs::path& path) {
   study.scene_path = beside("scene");
   study.windows_path = beside("windows");
   study.truth_path = beside("truth");
+  if (json.find("session")) study.session_path = beside("session");
   study.seed = static_cast<std::uint64_t>(json.at("seed").as_int());
   study.width = static_cast<int>(json.at("image").at("width").as_int());
   study.height = static_cast<int>(json.at("image").at("height").as_int());

@@ -74,6 +74,7 @@ struct Study {
   std::filesystem::path scene_path;    ///< absolute or relative to the working folder
   std::filesystem::path windows_path;  ///< the default windows.json beside the study file
   std::filesystem::path truth_path;    ///< the default planted truth beside the study file
+  std::filesystem::path session_path;  ///< the default session.json beside the study file; empty: none
   std::uint64_t seed = 1;
   int width = 0;   ///< pixels
   int height = 0;  ///< pixels

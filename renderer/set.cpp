@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "base/folder_lock.h"
 #include "base/progress.h"
+#include "protocols/session_protocol.h"
 #include "renderer/compose.h"
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
@@ -58,6 +59,10 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
   load_timing(folder);
   copy_once(study.windows_path, folder.windows(), study, load_windows);
   copy_once(study.truth_path, folder.truth(), study, load_truth);
+  if (!study.session_path.empty())
+    copy_once(study.session_path, folder.session(), study, [](const fs::path& path, const Study&) {
+      return load_session_protocol(path);
+    });
   save_text(folder.study(), format_json(study.source));
 }
 

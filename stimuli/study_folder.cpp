@@ -14,6 +14,7 @@ Study load_folder_study(const StudyFolder& folder) {
   Study study = load_study(folder.study());
   study.windows_path = folder.windows();
   study.truth_path = folder.truth();
+  study.session_path = folder.session();
   return study;
 }
 

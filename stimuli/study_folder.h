@@ -19,6 +19,9 @@ struct StudyFolder {
     return root / "windows.json";
   }  ///< copied once, then a person's to edit
   std::filesystem::path truth() const { return root / "truth.json"; }  ///< copy of the default planted truth
+  std::filesystem::path session() const {
+    return root / "session.json";
+  }  ///< copied once, then a person's to edit; may be missing
   std::filesystem::path layer_folder() const { return root / "layers"; }  ///< EXR
   std::filesystem::path layers() const { return root / "layers.json"; }   ///< what was rendered
   std::filesystem::path timing() const { return root / "timing.json"; }   ///< outside all digests

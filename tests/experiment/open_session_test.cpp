@@ -264,5 +264,66 @@ TEST_F(OpenSessionTest, BalancesTheSessionsItOpens) {
   }
 }
 
+// A protocol with practice and catch trials, which may go on for a day after an interruption.
+class OpenSessionByProtocol : public OpenSessionTest {
+ protected:
+  void save_protocol(const std::string& members) const {
+    save_text(folder_.session(), R"({"schema": "equilux-session", "schema_version": 1, )" + members + "}");
+  }
+};
+
+TEST_F(OpenSessionByProtocol, WritesPracticeAndCatchTrialsIntoTheSchedule) {
+  save_protocol(R"("familiarisation": {"objects": true, "examples": 2, "practice_trials": 3},
+                   "catch_trials": {"count": 2, "pass": 2}, "least_response_ms": 150, "breaks": {"every_trials": 9})");
+  const OpenSession session = open("P1");
+  EXPECT_EQ(session.session.trials.size(), 32u + 5);
+  EXPECT_EQ(session.session.rules.familiar_pages, 4 + 2);
+  EXPECT_EQ(session.session.rules.least_response_ns, 150'000'000);
+  EXPECT_EQ(session.session.rules.break_every_trials, std::optional(9));
+  EXPECT_EQ(log_.load_sessions().at(0).digests.protocol, load_session_protocol(folder_.session()).digest);
+  const auto trials = log_.load_trials(session.row.id);
+  EXPECT_EQ(std::count_if(trials.begin(), trials.end(),
+                          [](const auto& trial) { return trial.phase == Phase::kMain; }),
+            32);
+}
+
+TEST_F(OpenSessionByProtocol, KeepsTheFieldsOfANewSession) {
+  SessionRequest request = request_of("P1");
+  request.fields = {{"age_band", "30-39"}};
+  open_session(folder_, log_, request);
+  EXPECT_EQ(log_.load_sessions().at(0).fields, request.fields);
+}
+
+TEST_F(OpenSessionByProtocol, RefusesAnotherProtocolOnceASessionHasBegun) {
+  save_protocol(R"("least_response_ms": 150)");
+  open("P1");
+  save_protocol(R"("least_response_ms": 151)");
+  expect_refused(HasSubstr("session protocol"), "P2");
+  save_protocol(R"("least_response_ms": 150, "consent": {"version": "2", "text": ["new"]})");
+  EXPECT_NO_THROW(open("P2"));
+}
+
+TEST_F(OpenSessionByProtocol, LetsNobodyGoOnWhereItSaysSo) {
+  save_protocol(R"("resume": {"allowed": false})");
+  open("P1");
+  expect_refused(AllOf(HasSubstr("/resume"), HasSubstr("in one go")));
+}
+
+TEST_F(OpenSessionByProtocol, LetsASessionGoOnForSoLong) {
+  save_protocol(R"("resume": {"within_hours": 24})");
+  SessionRequest request = request_of("P1");
+  const std::string started = open_session(folder_, log_, request).row.started_utc;
+  const auto in_days = [&](int days) {
+    std::string text = started;
+    text.replace(8, 2, fmt::format("{:02}", std::stoi(started.substr(8, 2)) + days));
+    return text;
+  };
+  request.now_utc = in_days(1);
+  EXPECT_TRUE(open_session(folder_, log_, request).resumed);
+  request.now_utc = in_days(2);
+  EXPECT_THAT([&] { open_session(folder_, log_, request); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours"), HasSubstr("48.0 hours ago"))));
+}
+
 }  // namespace
 }  // namespace equilux

@@ -177,5 +177,142 @@ TEST(Session, RefusesTrialsOutOfOrder) {
   EXPECT_THROW(make_session(Experiment::kArtifact, trials), CheckFailure);
 }
 
+// Two practice trials, then six counted ones.
+Session start_with_pages(const SessionRules& rules) {
+  auto trials = make_fake_trials(8);
+  trials[0].phase = trials[1].phase = Phase::kPractice;
+  return make_session(Experiment::kArtifact, trials, rules);
+}
+
+// The pair that is due is shown at `time_ns` and answered `after_ns` later.
+std::vector<SessionEffect> answer(Session& session, std::int64_t time_ns, std::int64_t after_ns = 100) {
+  show(session, time_ns);
+  return advance(session, AnswerEvent{Side::kLeft, time_ns + after_ns});
+}
+
+TEST(Session, LeadsFromFamiliarPagesThroughPracticeWithFeedbackToTheMainPart) {
+  Session session = start_with_pages({.familiar_pages = 2});
+  EXPECT_TRUE(advance(session, ContinueEvent{1}).empty());
+  EXPECT_EQ(session.screen, Screen::kFamiliar);
+  advance(session, ContinueEvent{2});
+  EXPECT_EQ(session.page, 1);
+  advance(session, BackEvent{3});
+  advance(session, BackEvent{3});
+  EXPECT_EQ(session.page, 0);
+  advance(session, ContinueEvent{4});
+  advance(session, ContinueEvent{5});
+  EXPECT_EQ(session.screen, Screen::kPractice);
+  EXPECT_EQ(effect_at<ShowTrial>(advance(session, ContinueEvent{6}), 1).trial, 0);
+  EXPECT_EQ(find_progress(session).count, 2);
+  const auto effects = answer(session, 100);
+  ASSERT_EQ(effects.size(), 1u);
+  EXPECT_FALSE(effect_at<RecordAnswer>(effects, 0).next);
+  EXPECT_EQ(session.screen, Screen::kFeedback);
+  EXPECT_EQ(session.last_answered, std::optional(0));
+  EXPECT_EQ(effect_at<ShowTrial>(advance(session, ContinueEvent{300}), 1).trial, 1);
+  answer(session, 400);
+  EXPECT_TRUE(advance(session, ContinueEvent{600}).empty());
+  EXPECT_EQ(session.screen, Screen::kMain);
+  EXPECT_EQ(effect_at<ShowTrial>(advance(session, ContinueEvent{700}), 1).trial, 2);
+  EXPECT_EQ(effect_at<RecordAnswer>(answer(session, 800), 0).next, std::optional(3));
+  EXPECT_EQ(find_progress(session).answered, 1);
+  EXPECT_EQ(find_progress(session).count, 6);
+}
+
+TEST(Session, RestsAfterSoManyTrialsButNotAfterTheLast) {
+  Session session = start_with_pages({.break_every_trials = 3});
+  for (TrialRow& trial : session.trials)
+    trial.answer = trial.number < 2 ? std::optional(Side::kLeft) : std::nullopt;
+  session.current = 2;
+  advance(session, ContinueEvent{0});
+  advance(session, ContinueEvent{0});
+  answer(session, 100);
+  answer(session, 300);
+  const auto effects = answer(session, 500);
+  EXPECT_FALSE(effect_at<RecordAnswer>(effects, 0).next);
+  EXPECT_EQ(effect_at<RecordNote>(effects, 1).kind, "break");
+  EXPECT_EQ(session.screen, Screen::kBreak);
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 700}).empty());
+  EXPECT_EQ(effect_at<RecordShowing>(advance(session, ContinueEvent{9000}), 0).trial, 5);
+  answer(session, 9100);
+  answer(session, 9300);
+  answer(session, 9500);
+  EXPECT_EQ(session.screen, Screen::kThanks);
+}
+
+TEST(Session, RestsAfterSoLongSinceTheLastBreak) {
+  Session session = make_session(Experiment::kArtifact, make_fake_trials(6), {.break_every_ns = 1000});
+  advance(session, ContinueEvent{50});
+  answer(session, 100);
+  EXPECT_EQ(session.screen, Screen::kTrial);
+  answer(session, 949, 100);
+  EXPECT_EQ(session.screen, Screen::kTrial) << "999 after the first showing";
+  answer(session, 1050, 1);
+  EXPECT_EQ(session.screen, Screen::kBreak);
+  advance(session, ContinueEvent{5000});
+  answer(session, 5100);
+  EXPECT_EQ(session.screen, Screen::kTrial);
+}
+
+TEST(Session, MarksAnswersThatCameTooSoonAndKeepsThem) {
+  Session session = make_session(Experiment::kArtifact, make_fake_trials(2), {.least_response_ns = 200});
+  advance(session, ContinueEvent{0});
+  EXPECT_TRUE(effect_at<RecordAnswer>(answer(session, 100, 199), 0).answer.too_fast);
+  EXPECT_TRUE(session.trials[0].too_fast);
+  EXPECT_FALSE(effect_at<RecordAnswer>(answer(session, 500, 200), 0).answer.too_fast);
+}
+
+TEST(Session, ShowsThePairAgainAfterAPause) {
+  Session session = start(3);
+  advance(session, ContinueEvent{0});
+  show(session, 100);
+  const auto paused = advance(session, PauseEvent{150});
+  EXPECT_EQ(effect_at<RecordNote>(paused, 0).kind, "pause");
+  EXPECT_EQ(session.screen, Screen::kPause);
+  EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, 160}).empty());
+  EXPECT_TRUE(advance(session, PauseEvent{170}).empty());
+  const auto effects = advance(session, ContinueEvent{900});
+  EXPECT_EQ(effect_at<RecordNote>(effects, 0).kind, "continue");
+  EXPECT_EQ(effect_at<RecordShowing>(effects, 1).trial, 0);
+  EXPECT_EQ(effect_at<ShowTrial>(effects, 2).trial, 0);
+  const auto answered = answer(session, 1000, 40);
+  EXPECT_EQ(effect_at<RecordAnswer>(answered, 0).answer.response_time_ns, 40) << "from the second onset";
+}
+
+TEST(Session, GoesBackFromAPauseToThePageItStoppedAt) {
+  Session session = start_with_pages({.familiar_pages = 3});
+  advance(session, ContinueEvent{0});
+  advance(session, ContinueEvent{1});
+  advance(session, PauseEvent{2});
+  EXPECT_EQ(advance(session, ContinueEvent{3}).size(), 1u);
+  EXPECT_EQ(session.screen, Screen::kFamiliar);
+  EXPECT_EQ(session.page, 1);
+  advance(session, PauseEvent{4});
+  EXPECT_EQ(effect_at<RecordAbort>(advance(session, AbortEvent{"fire alarm", 5}), 0).reason, "fire alarm");
+  EXPECT_EQ(session.screen, Screen::kAborted);
+}
+
+TEST(Session, AfterAnInterruptionSkipsWhatTheSubjectHasSeen) {
+  Session session = start_with_pages({.familiar_pages = 3});
+  session.trials[0].answer = Side::kLeft;
+  session = make_session(Experiment::kArtifact, session.trials, session.rules);
+  advance(session, ContinueEvent{0});
+  EXPECT_EQ(session.screen, Screen::kPractice);
+  for (int i = 1; i < 4; ++i) session.trials[static_cast<std::size_t>(i)].answer = Side::kLeft;
+  session = make_session(Experiment::kArtifact, session.trials, session.rules);
+  EXPECT_EQ(effect_at<ShowTrial>(advance(session, ContinueEvent{0}), 1).trial, 4);
+}
+
+TEST(Session, RecordsWhatHappenedToTheScreenWithoutGoingOn) {
+  Session session = start(2);
+  advance(session, ContinueEvent{0});
+  show(session, 100);
+  const auto effects = advance(session, NoteEvent{"focus_lost", "", 150});
+  ASSERT_EQ(effects.size(), 1u);
+  EXPECT_EQ(effect_at<RecordNote>(effects, 0).kind, "focus_lost");
+  EXPECT_EQ(effect_at<RecordNote>(effects, 0).time_ns, 150);
+  EXPECT_EQ(session.onset_ns, std::optional<std::int64_t>(100));
+}
+
 }  // namespace
 }  // namespace equilux
