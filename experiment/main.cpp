@@ -32,6 +32,8 @@ struct RunOptions {
   std::string monitor;
   bool windowed = false;
   double diagonal_inches = 0;
+  bool asks_setup = false;
+  double text_scale = 1;
 };
 
 void print_acknowledgement(std::int64_t session, int trial) {
@@ -63,6 +65,8 @@ int run(const RunOptions& options) {
   params.monitor = options.monitor;
   params.windowed = options.windowed;
   params.diagonal_m = options.diagonal_inches * 0.0254;
+  params.asks_setup = options.asks_setup;
+  params.text_scale = options.text_scale;
   return run_app(params);
 }
 #else
@@ -96,7 +100,9 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("folder", options.folder, "Study folder")->type_name("DIR");
   command->add_option("--experiment", options.experiment, "Which experiment")
       ->check(CLI::IsMember({"artifact", "material"}));
-  command->add_option("--participant", options.participant, "Code of the participant; again to go on")
+  command
+      ->add_option("--participant", options.participant,
+                   "Code of the participant, the same to go on; `new` draws one")
       ->type_name("CODE");
   command->add_option("--monitor", options.monitor, "Name of the monitor; the primary one if not given")
       ->type_name("NAME");
@@ -104,6 +110,10 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--diagonal", options.diagonal_inches, "Of the visible screen, measured")
       ->type_name("INCHES")
       ->check(CLI::Range(1.0, 1000.0));
+  command->add_flag("--setup", options.asks_setup, "Show the set-up screen: size of the screen, distance");
+  command->add_option("--text-scale", options.text_scale, "Of all text")
+      ->type_name("FACTOR")
+      ->check(CLI::Range(0.5, 3.0));
   command->footer("Example: equilux-session run studies/pocket --experiment artifact --participant P01");
 }
 

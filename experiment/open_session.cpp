@@ -135,7 +135,6 @@ void check_may_resume(const SessionInputs& inputs, const SessionRow& row, const 
 OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
                            const SessionRequest& request) {
   std::vector<TrialRow> trials = log.load_trials(row.id);
-  check_may_resume(inputs, row, trials, request.now_utc);
   log.append_event(row.id, "resume", 0, describe_resume(request.screen));
   return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true};
 }
@@ -204,7 +203,8 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
   return inputs;
 }
 
-OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, const TrialLog& log,
+                                                  const SessionRequest& request) {
   EQ_CHECK(request.kind == inputs.kind && request.experiment == inputs.experiment);
   std::optional<SessionRow> unfinished;
   for (const SessionRow& row : log.load_sessions()) {
@@ -219,6 +219,12 @@ OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const Sessi
     }
     unfinished = row;
   }
+  if (unfinished) check_may_resume(inputs, *unfinished, log.load_trials(unfinished->id), request.now_utc);
+  return unfinished;
+}
+
+OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+  const auto unfinished = find_unfinished_session(inputs, log, request);
   return unfinished ? resume_session(inputs, log, *unfinished, request) : begin_session(inputs, log, request);
 }
 

@@ -57,6 +57,11 @@ std::vector<std::string> enumerate_session_keys(const SessionInputs& inputs);
 SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log,
                                   const SessionRequest& request);
 
+/// The participant's session that may go on, after the checks of open_session; empty where a new one would
+/// begin. errors: as open_session
+std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, const TrialLog& log,
+                                                  const SessionRequest& request);
+
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
 /// picture is missing, if the participant has finished this experiment, if the protocol lets nobody go on

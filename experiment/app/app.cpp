@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/program.h"
 #include "experiment/app/gui.h"
+#include "experiment/app/intake_window.h"
 #include "experiment/app/screens.h"
 #include "experiment/app/session_window.h"
 #include "experiment/app/window.h"
@@ -28,6 +29,17 @@ std::unique_ptr<AppWindow> open_window(const AppParams& params, const Display& d
   Size size{std::min(kPageSize.width, screen.width), std::min(kPageSize.height, screen.height)};
   if (is_complete(params)) size = choose_window_size(params, display);
   return params.windowed ? std::make_unique<AppWindow>(display, size) : std::make_unique<AppWindow>(display);
+}
+
+// A code that nobody in the folder's log has, as far as it can be read.
+std::string draw_free_code(const std::filesystem::path& study_folder) {
+  std::vector<std::string> taken;
+  const StudyFolder folder{study_folder};
+  if (std::filesystem::exists(folder.responses())) {
+    const TrialLog log = TrialLog::load_snapshot(folder.responses());
+    for (const SessionRow& row : log.load_sessions()) taken.push_back(row.participant);
+  }
+  return draw_code(taken);
 }
 
 // What the keyboard does on the start screen beside typing; true for the key that submits.
@@ -60,6 +72,10 @@ void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
     InputEvent event = input.waiting.front();
     input.waiting.pop_front();
     gui.take({event});
+    if (event.kind == InputKind::kKeyPress && event.key == Key::kF3) {
+      gui.leave_field();
+      set_participant(form, draw_free_code(form.folder.data()));
+    }
     input.is_submitted = read_start_key(event, form);
     if (!input.is_submitted) continue;
     event.kind = InputKind::kKeyRelease;  // else ImGui repeats an Enter that seems held, and leaves the field
@@ -89,7 +105,7 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
     if (!ask(window, gui, form, input)) continue;
     form.takes_focus = true;
     try {
-      return open_workplace(read_start_form(form, params), display, window);
+      return prepare_workplace(read_start_form(form, params), display, window);
     } catch (const InputError& error) {
       form.error = error.what();
     } catch (const StoreError& error) {
@@ -99,36 +115,54 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
   return std::nullopt;
 }
 
-void print_outcome(const Workplace& work) {
-  const Session& session = work.open.session;
-  const auto answered = std::count_if(session.trials.begin(), session.trials.end(),
-                                      [](const TrialRow& trial) { return trial.answer.has_value(); });
-  if (session.screen == Screen::kThanks) {
-    fmt::print("{} session of {} is complete: {} answers\n", format_experiment(session.experiment),
-               work.open.row.participant, answered);
-  } else {
-    fmt::print("{} session of {} was ended early: {} of {} answers; the same command goes on with it\n",
-               format_experiment(session.experiment), work.open.row.participant, answered,
-               session.trials.size());
+void print_outcome(const Workplace& work, const Seat& seat) {
+  const Session& session = seat.open.session;
+  const std::string name = format_experiment(session.experiment), code = seat.open.row.participant;
+  fmt::print("{} session of {} {}:\n", name, code,
+             session.screen == Screen::kThanks ? "is complete"
+                                               : "was ended early; the same command goes on with it");
+  for (const std::string& line : summarise(session, work.inputs.protocol, seat.notes))
+    fmt::print("  {}\n", line);
+}
+
+// Empty if the window was closed, or the participant declined.
+std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool asks_setup) {
+  if (asks_setup && !ask_setup(window, gui, work)) return std::nullopt;
+  if (work.goes_on) return take_seat(work, {});
+  const Intake intake = ask_intake(window, gui, work);
+  if (intake.step == IntakeStep::kDone) return take_seat(work, find_fields(intake, work.inputs.protocol));
+  if (intake.step == IntakeStep::kDeclined) {
+    show_message(window, gui, work.texts.at("declined_title"), {work.texts.at("declined_text")},
+                 work.texts.at("close"));
   }
+  fmt::print("no session was begun: {}\n", intake.step == IntakeStep::kDeclined
+                                               ? "the participant does not take part"
+                                               : "the window was closed");
+  return std::nullopt;
 }
 
 }  // namespace
 
-int run_app(const AppParams& params) {
+int run_app(const AppParams& given) {
+  AppParams params = given;
+  if (params.participant == "new") params.participant = draw_free_code(params.study_folder);
   const Display display(params.monitor);
   const auto window = open_window(params, display);
-  Gui gui(*window);
-  auto work = is_complete(params) ? std::optional(open_workplace(params, display, *window))
-                                  : ask_for_workplace(params, display, *window, gui);
+  Gui gui(*window, static_cast<float>(params.text_scale));
+  const bool is_asked = !is_complete(params);
+  auto work = is_asked ? ask_for_workplace(params, display, *window, gui)
+                       : std::optional(prepare_workplace(params, display, *window));
   if (!work) return kExitOk;
+  std::optional<Seat> seat;
   try {
-    SessionWindow(*window, gui, *work).run();
+    seat = come_in(*window, gui, *work, is_asked || params.asks_setup);
+    if (!seat) return kExitOk;
+    SessionWindow(*window, gui, *work, *seat).run();
   } catch (const std::exception& error) {
-    show_stop(*window, gui, error.what());
+    show_stop(*window, gui, work->texts, error.what());
     throw;
   }
-  print_outcome(*work);
+  print_outcome(*work, *seat);
   return kExitOk;
 }
 

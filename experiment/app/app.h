@@ -13,10 +13,12 @@ namespace equilux {
 struct AppParams {
   std::filesystem::path study_folder;
   std::optional<Experiment> experiment;
-  std::string participant;
-  std::string monitor;    ///< name; empty: the primary one
-  bool windowed = false;  ///< a window of the layout's size in place of the full screen
-  double diagonal_m = 0;  ///< of the visible screen; 0: as the system reports it
+  std::string participant;  ///< code; "new" draws one
+  std::string monitor;      ///< name; empty: the primary one
+  bool windowed = false;    ///< a window of the layout's size in place of the full screen
+  double diagonal_m = 0;    ///< of the visible screen; 0: as the system reports it
+  bool asks_setup = false;  ///< the set-up screen is shown also where nothing else is asked
+  double text_scale = 1;    ///< of all text
 };
 
 /// Runs until the session is over or the window is closed. Gives the exit code. errors: InputError,

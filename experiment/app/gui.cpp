@@ -7,6 +7,7 @@
 #include <imgui.h>
 #include <imgui_impl_glfw.h>
 #include <imgui_impl_opengl3.h>
+#include <imgui_internal.h>
 #include <utility>
 
 namespace equilux {
@@ -15,8 +16,8 @@ namespace {
 constexpr const char* kFontPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kTextPixels = 22;
 constexpr float kTitlePixels = 32;
-// Latin, general punctuation, arrows.
-constexpr ImWchar kGlyphs[] = {0x0020, 0x024F, 0x2010, 0x205E, 0x2190, 0x21FF, 0};
+// Latin, Greek, Cyrillic, general punctuation, arrows.
+constexpr ImWchar kGlyphs[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x205E, 0x2190, 0x21FF, 0};
 
 // Black on grey 128 has a contrast of 5.3 to 1, white on it 3.9.
 void set_colours(ImGuiStyle& style) {
@@ -65,7 +66,7 @@ bool is_key(const InputEvent& event) {
 
 }  // namespace
 
-Gui::Gui(AppWindow& window) : window_(&window) {
+Gui::Gui(AppWindow& window, float text_scale) : window_(&window), text_scale_(text_scale) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
@@ -89,17 +90,17 @@ Gui::~Gui() {
 void Gui::load_fonts() {
   ImFontAtlas* fonts = ImGui::GetIO().Fonts;
   if (std::filesystem::exists(kFontPath)) {
-    text_font_ = fonts->AddFontFromFileTTF(kFontPath, kTextPixels, nullptr, kGlyphs);
-    title_font_ = fonts->AddFontFromFileTTF(kFontPath, kTitlePixels, nullptr, kGlyphs);
+    text_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTextPixels, nullptr, kGlyphs);
+    title_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTitlePixels, nullptr, kGlyphs);
   }
   if (text_font_ && title_font_) return;
   fmt::print(stderr,
              "equilux-session: {} is missing (package fonts-dejavu-core); text is shown in a plain font\n",
              kFontPath);
   ImFontConfig config;
-  config.SizePixels = kTextPixels;
+  config.SizePixels = text_scale_ * kTextPixels;
   text_font_ = fonts->AddFontDefault(&config);
-  config.SizePixels = kTitlePixels;
+  config.SizePixels = text_scale_ * kTitlePixels;
   title_font_ = fonts->AddFontDefault(&config);
 }
 
@@ -133,6 +134,8 @@ void Gui::forward(const InputEvent& event) {
       break;
   }
 }
+
+void Gui::leave_field() { ImGui::ClearActiveID(); }
 
 // ImGui 1.86 looks at keys once a frame, so that it would miss a Tab that goes down and up between two.
 void Gui::begin_frame() {

@@ -14,7 +14,8 @@ namespace equilux {
 /// One for each window. Writes no settings file.
 class Gui {
  public:
-  explicit Gui(AppWindow& window);
+  /// `text_scale` enlarges all text; 1 is 22 pixels.
+  explicit Gui(AppWindow& window, float text_scale = 1);
   ~Gui();
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
@@ -27,10 +28,14 @@ class Gui {
   /// two.
   bool has_events() const { return !events_.empty(); }
 
+  /// Takes the keyboard out of a text field, whose text may then be set from outside.
+  void leave_field();
+
   void begin_frame();
   /// Draws what was laid out since begin_frame over the back buffer.
   void end_frame();
 
+  float text_scale() const { return text_scale_; }
   ImFont* text_font() const { return text_font_; }
   ImFont* title_font() const { return title_font_; }
 
@@ -39,6 +44,7 @@ class Gui {
   void forward(const InputEvent& event);
 
   AppWindow* window_;
+  float text_scale_ = 1;
   std::deque<InputEvent> events_;
   ImFont* text_font_ = nullptr;
   ImFont* title_font_ = nullptr;

@@ -11,6 +11,10 @@ std::optional<SessionEvent> SubjectInput::read(const InputEvent& event, Screen s
       return read_key_press(event, screen);
     case InputKind::kMousePress:
       if (event.code != kAnswerButton) return std::nullopt;
+      if (screen == Screen::kFeedback) {
+        down_.insert(Source::kMouse);
+        return turn(event.time_ns, screen);
+      }
       return press(Source::kMouse, find_side(layout_, event.x, event.y), event.time_ns);
     case InputKind::kKeyRelease:
     case InputKind::kMouseRelease:
@@ -21,9 +25,29 @@ std::optional<SessionEvent> SubjectInput::read(const InputEvent& event, Screen s
   }
 }
 
-std::optional<SessionEvent> SubjectInput::find_abort(std::int64_t now_ns) const {
-  if (!escape_ns_ || now_ns - *escape_ns_ < kAbortHoldNs) return std::nullopt;
-  return AbortEvent{"Escape was held", now_ns};
+std::optional<SessionEvent> SubjectInput::find_pause(std::int64_t now_ns) {
+  if (!escape_ns_ || now_ns - *escape_ns_ < kPauseHoldNs) return std::nullopt;
+  escape_ns_.reset();
+  onset_ns_.reset();
+  return PauseEvent{now_ns};
+}
+
+// Pages are left by Space or Enter. Those that come right after an answer wait a moment, so that an answer
+// pressed twice does not leave them unseen.
+std::optional<SessionEvent> SubjectInput::turn(std::int64_t time_ns, Screen screen) const {
+  switch (screen) {
+    case Screen::kInstructions:
+    case Screen::kFamiliar:
+    case Screen::kPractice:
+      return ContinueEvent{time_ns};
+    case Screen::kFeedback:
+    case Screen::kMain:
+    case Screen::kBreak:
+      if (time_ns - page_from_ns_ < kPageGuardNs) return std::nullopt;
+      return ContinueEvent{time_ns};
+    default:
+      return std::nullopt;
+  }
 }
 
 std::optional<SessionEvent> SubjectInput::read_key_press(const InputEvent& event, Screen screen) {
@@ -37,7 +61,9 @@ std::optional<SessionEvent> SubjectInput::read_key_press(const InputEvent& event
       return std::nullopt;
     case Key::kSpace:
     case Key::kEnter:
-      if (screen == Screen::kInstructions) return ContinueEvent{event.time_ns};
+      return turn(event.time_ns, screen);
+    case Key::kBackspace:
+      if (screen == Screen::kFamiliar) return BackEvent{event.time_ns};
       return std::nullopt;
     default:
       return std::nullopt;

@@ -11,11 +11,13 @@
 
 namespace equilux {
 
-inline constexpr std::int64_t kAbortHoldNs = 2'000'000'000;  ///< Escape is held this long to end a session
-inline constexpr int kAnswerButton = 0;                      ///< the left mouse button
+inline constexpr std::int64_t kPauseHoldNs = 2'000'000'000;  ///< Escape is held this long to pause a session
+inline constexpr std::int64_t kPageGuardNs =
+    300'000'000;                         ///< a page after an answer takes no press before that
+inline constexpr int kAnswerButton = 0;  ///< the left mouse button
 
 /// What the session knows of keys; everything else is for text fields.
-enum class Key { kLeft, kRight, kSpace, kEnter, kEscape, kF1, kF2, kOther };
+enum class Key { kLeft, kRight, kSpace, kEnter, kEscape, kF1, kF2, kF3, kBackspace, kOther };
 
 enum class InputKind { kKeyPress, kKeyRelease, kKeyRepeat, kMousePress, kMouseRelease, kCharacter, kScroll };
 
@@ -40,22 +42,27 @@ class SubjectInput {
   /// The pair is on the screen since then; after an answer the input is closed again.
   void open(std::int64_t onset_ns);
 
+  /// Another screen is there since then.
+  void open_page(std::int64_t time_ns) { page_from_ns_ = time_ns; }
+
   /// What the event means on that screen; most mean nothing.
   std::optional<SessionEvent> read(const InputEvent& event, Screen screen);
 
-  /// An AbortEvent once Escape has been held long enough.
-  std::optional<SessionEvent> find_abort(std::int64_t now_ns) const;
+  /// A PauseEvent once Escape has been held long enough; it must then be let go first.
+  std::optional<SessionEvent> find_pause(std::int64_t now_ns);
 
  private:
   enum class Source { kMouse, kLeftKey, kRightKey };
 
   std::optional<SessionEvent> read_key_press(const InputEvent& event, Screen screen);
+  std::optional<SessionEvent> turn(std::int64_t time_ns, Screen screen) const;
   std::optional<SessionEvent> press(Source source, std::optional<Side> side, std::int64_t time_ns);
   void release(const InputEvent& event);
 
   Layout layout_;
   std::set<Source> down_;
-  std::optional<std::int64_t> onset_ns_;   ///< empty while closed
+  std::optional<std::int64_t> onset_ns_;  ///< empty while closed
+  std::int64_t page_from_ns_ = 0;
   std::optional<std::int64_t> escape_ns_;  ///< since when Escape is down
 };
 

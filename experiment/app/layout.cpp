@@ -55,6 +55,12 @@ Layout make_layout(Size framebuffer, Size picture, Experiment experiment) {
   return layout;
 }
 
+Rectangle find_middle(const Layout& layout) {
+  Rectangle middle = layout.left;
+  middle.x = (layout.left.x + layout.right.x) / 2;
+  return middle;
+}
+
 std::optional<Side> find_side(const Layout& layout, double x, double y) {
   if (is_inside(layout.left, x, y)) return Side::kLeft;
   if (is_inside(layout.right, x, y)) return Side::kRight;

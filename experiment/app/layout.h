@@ -50,6 +50,9 @@ Size choose_window_size(Size picture, Size screen);
 /// errors: InputError with both sizes for a framebuffer that is too small; pictures are never scaled.
 Layout make_layout(Size framebuffer, Size picture, Experiment experiment);
 
+/// Between the two lower pictures, for one alone.
+Rectangle find_middle(const Layout& layout);
+
 /// The lower picture at a point; empty beside them.
 std::optional<Side> find_side(const Layout& layout, double x, double y);
 

@@ -51,6 +51,22 @@ TrialPictures load_trial_pictures(const StudyFolder& folder, const Manifest& man
   return pictures;
 }
 
+FamiliarPictures load_familiar_pictures(const StudyFolder& folder, const Manifest& manifest,
+                                        const FamiliarPage& page) {
+  FamiliarPictures pictures{Texture(load_picture(folder, manifest, page.left_key)), std::nullopt};
+  if (!page.right_key.empty()) pictures.right = Texture(load_picture(folder, manifest, page.right_key));
+  return pictures;
+}
+
+void draw_pictures(const FamiliarPictures& pictures, const Layout& layout) {
+  if (pictures.right) {
+    pictures.left.draw(layout.left, layout.framebuffer);
+    pictures.right->draw(layout.right, layout.framebuffer);
+  } else {
+    pictures.left.draw(find_middle(layout), layout.framebuffer);
+  }
+}
+
 void draw_pictures(const TrialPictures& pictures, const Layout& layout) {
   pictures.left.draw(layout.left, layout.framebuffer);
   pictures.right.draw(layout.right, layout.framebuffer);

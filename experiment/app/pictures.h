@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "experiment/app/texture.h"
+#include "experiment/extra_trials.h"
 #include "experiment/trial_log.h"
 #include "stimuli/manifest.h"
 #include "stimuli/study_folder.h"
@@ -26,6 +27,17 @@ struct TrialPictures {
   Texture right;
   std::optional<Texture> upper;
 };
+
+/// A page of the familiarisation, ready to be drawn.
+struct FamiliarPictures {
+  Texture left;
+  std::optional<Texture> right;  ///< without it the left one stands in the middle
+};
+
+FamiliarPictures load_familiar_pictures(const StudyFolder& folder, const Manifest& manifest,
+                                        const FamiliarPage& page);
+
+void draw_pictures(const FamiliarPictures& pictures, const Layout& layout);
 
 TrialPictures load_trial_pictures(const StudyFolder& folder, const Manifest& manifest, const TrialRow& trial);
 

@@ -3,19 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
 #include <imgui.h>
 #include <utility>
 
 #include "base/error.h"
+#include "experiment/app/pages.h"
 
 namespace equilux {
 namespace {
 
-constexpr float kPageWidth = 760;
-constexpr float kPageMargin = 24;
-constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
+constexpr double kMetresPerInch = 0.0254;
 
 template <std::size_t n>
 void copy_text(std::array<char, n>& target, const std::string& text) {
@@ -31,53 +31,12 @@ std::string read_text(const std::array<char, n>& field) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// A column of text in the middle of the screen; it scrolls where it does not fit.
-class Page {
- public:
-  Page(const Gui& gui, Size framebuffer, const std::string& title) {
-    const float width = std::min(kPageWidth, static_cast<float>(framebuffer.width) - 2 * kPageMargin);
-    const float top = std::floor(static_cast<float>(framebuffer.height) * 0.14F);
-    ImGui::PushFont(gui.text_font());
-    ImGui::SetNextWindowPos(ImVec2(std::floor((static_cast<float>(framebuffer.width) - width) / 2), top));
-    ImGui::SetNextWindowSize(ImVec2(width, static_cast<float>(framebuffer.height) - top - kPageMargin));
-    ImGui::Begin("page", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
-                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
-                     ImGuiWindowFlags_NoSavedSettings);
-    ImGui::PushTextWrapPos(0);
-    ImGui::PushFont(gui.title_font());
-    ImGui::TextUnformatted(title.c_str());
-    ImGui::PopFont();
-    ImGui::Spacing();
-  }
-  ~Page() {
-    ImGui::PopTextWrapPos();
-    ImGui::End();
-    ImGui::PopFont();
-  }
-  Page(const Page&) = delete;
-  Page& operator=(const Page&) = delete;
-
-  void say(const std::string& paragraph) const { ImGui::TextWrapped("%s", paragraph.c_str()); }
-  bool press(const std::string& button) const {
-    ImGui::Spacing();
-    return ImGui::Button(button.c_str());
-  }
-};
-
-// A pale panel, for what must not be overlooked.
-void draw_panel(const std::string& text) {
-  constexpr float kPadding = 16;
-  const float width = ImGui::GetContentRegionAvail().x;
-  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, width - 2 * kPadding);
-  const ImVec2 corner = ImGui::GetCursorScreenPos();
-  const ImVec2 end(corner.x + width, corner.y + size.y + 2 * kPadding);
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(corner, end, IM_COL32(232, 232, 232, 255), 3);
-  list->AddRectFilled(corner, ImVec2(corner.x + 6, end.y), IM_COL32(150, 0, 0, 255));
-  list->AddText(nullptr, 0, ImVec2(corner.x + kPadding, corner.y + kPadding), kBlack, text.c_str(), nullptr,
-                width - 2 * kPadding);
-  ImGui::Dummy(ImVec2(width, end.y - corner.y));
+// 0 for what is no number within the limits. Points and commas both separate decimals.
+double read_number(std::string text, double least, double most) {
+  std::replace(text.begin(), text.end(), ',', '.');
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return end != text.c_str() && *end == '\0' && value >= least && value <= most ? value : 0;
 }
 
 void draw_field(const char* label, char* text, std::size_t size, bool takes_focus) {
@@ -96,20 +55,71 @@ void draw_choice(int& experiment) {
   ImGui::PopStyleVar();
 }
 
-std::vector<std::string> list_instructions(Experiment experiment) {
-  if (experiment == Experiment::kArtifact) {
-    return {
-        "You will see pairs of pictures of an object in a room. In one of the two, the image of the object "
-        "has artifacts: flaws of the image, such as bright spots or edges of light and shadow that do not "
-        "belong there. The two objects are of different materials and are seen from different sides; that "
-        "does not matter.",
-        "For each pair the question is:"};
+std::string describe_setup(const SetupView& view) {
+  const ScreenFacts& facts = *view.facts;
+  std::string text = fmt::format(
+      "Monitor {}: {} x {} pixels at {:.0f} Hz, measured {}. Framebuffer {} x {} (the pictures need {} x "
+      "{}). Gamma "
+      "ramp {}, colour profile {}.",
+      facts.monitor, facts.mode.width, facts.mode.height, facts.mode_hz,
+      facts.measured_hz ? fmt::format("{:.1f} Hz", *facts.measured_hz) : "nothing", facts.framebuffer.width,
+      facts.framebuffer.height, view.least_framebuffer.width, view.least_framebuffer.height, facts.gamma_ramp,
+      facts.icc_profile);
+  return text;
+}
+
+std::string describe_degrees(const ViewingSetup& setup) {
+  if (!setup.degrees) return "The size of a pixel is not known yet.";
+  return fmt::format(
+      "At {:.1f} cm a picture spans {:.2f} x {:.2f} degrees; a pixel is {:.4f} mm wide (by the {}).",
+      100 * setup.viewing_distance_m, setup.degrees->wide, setup.degrees->high, 1000 * setup.pitch->x_m,
+      setup.pitch_source);
+}
+
+// A bar as wide as a card, to be compared with a real one.
+void draw_card(int card_px) {
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  const float width = static_cast<float>(card_px), height = 36;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(corner, ImVec2(corner.x + width, corner.y + height), IM_COL32(240, 240, 240, 255));
+  list->AddRect(corner, ImVec2(corner.x + width, corner.y + height), IM_COL32(0, 0, 0, 255));
+  ImGui::Dummy(ImVec2(width, height));
+}
+
+void draw_card_form(SetupForm& form) {
+  constexpr int kFirst = 320, kLeast = 100, kMost = 740;
+  ImGui::TextWrapped(
+      "Hold a bank card to the bar and change the bar until it is as wide as the card's long side.");
+  bool holds = form.card_px > 0;
+  if (ImGui::Checkbox("a card is held to the screen (F3)", &holds)) form.card_px = holds ? kFirst : 0;
+  if (form.card_px == 0) return;
+  ImGui::SetNextItemWidth(-1);
+  ImGui::SliderInt("##card", &form.card_px, kLeast, kMost, "%d pixels");
+  form.card_px = std::clamp(form.card_px, kLeast, kMost);
+  draw_card(form.card_px);
+}
+
+void draw_radio(const Texts& texts, const SessionProtocol& protocol, Intake& intake,
+                const AskedQuestion& asked) {
+  const std::string name = format_question(asked.question);
+  ImGui::TextWrapped("%s %s", texts.at(name).c_str(), asked.required ? "" : texts.at("optional").c_str());
+  ImGui::PushID(name.c_str());
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
+  const auto current = intake.answers.find(asked.question);
+  const std::string chosen = current == intake.answers.end() ? "" : current->second;
+  float room = 0;
+  for (const std::string& choice : enumerate_choices(asked.question)) {
+    const std::string& label = texts.at(name + "." + choice);
+    const float width = ImGui::CalcTextSize(label.c_str()).x + 60;
+    if (room >= width) ImGui::SameLine(0, 24);
+    if (room < width) room = ImGui::GetContentRegionAvail().x;
+    room -= width;
+    if (ImGui::RadioButton(label.c_str(), chosen == choice))
+      choose_answer(intake, protocol, asked.question, chosen == choice ? "" : choice);
   }
-  return {
-      "You will see three pictures of an object in a room. The upper one is the reference. In one of the two "
-      "lower pictures the object looks as if it were made of another material than in the reference. The "
-      "object may be seen from another side; that does not matter.",
-      "Each time the question is:"};
+  ImGui::PopStyleVar();
+  ImGui::PopID();
+  ImGui::Spacing();
 }
 
 }  // namespace
@@ -133,56 +143,101 @@ AppParams read_start_form(const StartForm& form, const AppParams& params) {
   return chosen;
 }
 
+void set_participant(StartForm& form, const std::string& code) { copy_text(form.participant, code); }
+
 bool draw_start(const Gui& gui, Size framebuffer, StartForm& form) {
   const Page page(gui, framebuffer, "New session");
   const bool takes_focus = std::exchange(form.takes_focus, false);
   const bool is_code_next = form.folder[0] != '\0' && form.participant[0] == '\0';
   draw_field("Study folder", form.folder.data(), form.folder.size(), takes_focus && !is_code_next);
   draw_choice(form.experiment);
-  draw_field("Participant code (not a name)", form.participant.data(), form.participant.size(),
-             takes_focus && is_code_next);
+  draw_field("Participant code (not a name; F3 draws a new one)", form.participant.data(),
+             form.participant.size(), takes_focus && is_code_next);
   const bool is_pressed = page.press("Start (Enter)");
   if (!form.error.empty()) {
-    ImGui::Spacing();
-    draw_panel("Cannot start. " + form.error);
+    page.leave_space();
+    page.warn("Cannot start. " + form.error);
   }
   return is_pressed;
 }
 
-bool draw_instructions(const Gui& gui, Size framebuffer, const InstructionsText& text) {
-  const Page page(gui, framebuffer, "Instructions");
-  for (const std::string& paragraph : list_instructions(text.experiment)) page.say(paragraph);
-  ImGui::Indent(40);
-  page.say(prompt_of(text.experiment));
-  ImGui::Unindent(40);
-  page.say(fmt::format(
-      "Answer by clicking on one of the two {}pictures, or with the keys ← for the left and → for "
-      "the right one.",
-      text.experiment == Experiment::kMaterial ? "lower " : ""));
-  page.say(
-      "There is no time limit. Where you are not sure, choose the one that seems more likely. An answer "
-      "cannot be taken back.");
-  page.say(
-      "You may stop at any time: call the experimenter, who ends the session by holding Escape for two "
-      "seconds.");
-  page.say(text.answered > 0 ? fmt::format("This session goes on where it stopped, after {} of {} answers.",
-                                           text.answered, text.trial_count)
-                             : fmt::format("There are {} questions.", text.trial_count));
-  const bool is_pressed = page.press("Begin (Space)");
-  ImGui::Spacing();
-  for (const std::string& remark : text.remarks) draw_panel("For the experimenter: " + remark);
+SetupForm make_setup_form(double diagonal_m, double distance_m) {
+  SetupForm form;
+  if (diagonal_m > 0) copy_text(form.diagonal_inches, fmt::format("{:g}", diagonal_m / kMetresPerInch));
+  copy_text(form.distance_cm, fmt::format("{:g}", 100 * distance_m));
+  return form;
+}
+
+SetupInput read_setup_form(const SetupForm& form) {
+  return {read_number(read_text(form.diagonal_inches), 1, 1000) * kMetresPerInch, form.card_px,
+          read_number(read_text(form.distance_cm), 1, 10000) / 100};
+}
+
+bool draw_setup(const Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
+  const Page page(gui, framebuffer, "Set-up, for the experimenter");
+  page.say(fmt::format("Participant {}, {} experiment.", view.participant, view.experiment));
+  page.say(describe_setup(view));
+  draw_field("Diagonal of the visible screen, in inches", form.diagonal_inches.data(),
+             form.diagonal_inches.size(), false);
+  draw_field("Distance from the eyes to the screen, in cm", form.distance_cm.data(), form.distance_cm.size(),
+             false);
+  draw_card_form(form);
+  page.say(describe_degrees(*view.setup));
+  const bool is_pressed = page.press("Continue (Enter)");
+  page.leave_space();
+  for (const std::string& remark : view.setup->remarks) page.warn(remark);
   return is_pressed;
 }
 
-void draw_question(const Gui& gui, const Layout& layout, Experiment experiment) {
-  const std::string prompt = prompt_of(experiment);
-  ImFont* font = gui.text_font();
-  const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6F, 0, prompt.c_str());
+std::optional<bool> draw_consent(const Gui& gui, Size framebuffer, const Texts& texts,
+                                 const Consent& consent) {
+  const Page page(gui, framebuffer, texts.at("consent_title"));
+  for (const std::string& paragraph : consent.text) page.say(paragraph);
+  if (page.press(texts.at("consent_agree"))) return true;
+  if (page.press(texts.at("consent_decline"))) return false;
+  return std::nullopt;
+}
+
+bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
+                    Intake& intake, bool is_reminded) {
+  const Page page(gui, framebuffer, texts.at("questions_title"));
+  page.say(texts.at("questions_about"));
+  page.leave_space();
+  for (const AskedQuestion& asked : protocol.questions) draw_radio(texts, protocol, intake, asked);
+  const bool is_pressed = page.press(texts.at("questions_continue"));
+  if (is_reminded && !find_unanswered(intake, protocol).empty()) page.warn(texts.at("questions_missing"));
+  return is_pressed;
+}
+
+bool draw_instructions(const Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text) {
+  const std::string name = format_experiment(text.experiment);
+  const Page page(gui, framebuffer, texts.at("instructions_title"));
+  page.say(texts.at("instructions_" + name));
+  page.say(texts.at("instructions_" + name + "_question"));
+  page.say_indented(texts.at("prompt_" + name));
+  page.say(texts.at("instructions_answer_" + name));
+  page.say(texts.at("instructions_time"));
+  page.say(texts.at("instructions_stop"));
+  const std::string count = fmt::format("{}", text.trial_count), answered = fmt::format("{}", text.answered);
+  page.say(text.answered > 0 ? texts.fill("instructions_resumed", {{"answered", answered}, {"count", count}})
+                             : texts.fill("instructions_count", {{"count", count}}));
+  const bool is_pressed = page.press(texts.at("instructions_begin"));
+  page.leave_space();
+  for (const std::string& remark : text.remarks) page.warn("For the experimenter: " + remark);
+  return is_pressed;
+}
+
+void draw_progress(const Layout& layout, const TrialProgress& progress) {
+  constexpr float kWidth = 200, kHeight = 2, kBelow = 12;
+  if (progress.count == 0) return;
   const Rectangle& place = layout.question;
-  const ImVec2 corner(
-      std::floor(static_cast<float>(place.x) + (static_cast<float>(place.width) - size.x) / 2),
-      std::floor(static_cast<float>(place.y) + (static_cast<float>(place.height) - size.y) / 2));
-  ImGui::GetBackgroundDrawList()->AddText(font, font->FontSize, corner, kBlack, prompt.c_str());
+  const float left = std::floor(static_cast<float>(place.x) + (static_cast<float>(place.width) - kWidth) / 2);
+  const float top = static_cast<float>(place.y + place.height) - kBelow;
+  const float full =
+      std::round(kWidth * static_cast<float>(progress.answered) / static_cast<float>(progress.count));
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  list->AddRectFilled(ImVec2(left, top), ImVec2(left + kWidth, top + kHeight), IM_COL32(112, 112, 112, 255));
+  list->AddRectFilled(ImVec2(left, top), ImVec2(left + full, top + kHeight), IM_COL32(64, 64, 64, 255));
 }
 
 bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
@@ -190,6 +245,24 @@ bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
   const Page page(gui, framebuffer, title);
   for (const std::string& paragraph : paragraphs) page.say(paragraph);
   return page.press(button);
+}
+
+std::string read_reason(const PauseForm& form) {
+  const std::string reason = read_text(form.reason);
+  return reason.empty() ? "ended by the experimenter" : reason;
+}
+
+PauseChoice draw_pause(const Gui& gui, Size framebuffer, const TrialProgress& progress, PauseForm& form) {
+  const Page page(gui, framebuffer, "Paused, for the experimenter");
+  page.say(fmt::format(
+      "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
+      progress.answered, progress.count));
+  if (page.press("Go on (F1)")) return PauseChoice::kGoOn;
+  page.leave_space();
+  draw_field("Reason, if the session is to end here", form.reason.data(), form.reason.size(), false);
+  if (page.press("End the session (F2)")) return PauseChoice::kEnd;
+  page.say("An ended session can go on later, with the same participant code, where the protocol allows it.");
+  return PauseChoice::kNone;
 }
 
 }  // namespace equilux

@@ -4,36 +4,77 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "experiment/app/screens.h"
+#include "experiment/app/intake_window.h"
+#include "experiment/app/pages.h"
 
 namespace equilux {
 namespace {
 
-constexpr double kPatienceS = 0.1;  ///< between two looks at the clock when nothing happens
+constexpr double kPatienceS = 0.1;  // between two looks at the clock when nothing happens
+// A pair that takes longer from its drawing to the screen is noted: two frames, and never less than this,
+// which a screen that does not wait for its frames may need.
+constexpr double kSlowFrames = 2, kSlowNs = 50e6;
 
-int count_answered(const Session& session) {
-  return static_cast<int>(std::count_if(session.trials.begin(), session.trials.end(),
-                                        [](const TrialRow& trial) { return trial.answer.has_value(); }));
+bool is_main(const TrialRow& trial) { return trial.phase != Phase::kPractice; }
+
+int count_main(const Session& session, bool answered_only) {
+  return static_cast<int>(std::count_if(
+      session.trials.begin(), session.trials.end(),
+      [&](const TrialRow& trial) { return is_main(trial) && (!answered_only || trial.answer.has_value()); }));
 }
+
+int count_practice(const Session& session) {
+  return static_cast<int>(session.trials.size()) - count_main(session, false);
+}
+
+std::string number(int value) { return fmt::format("{}", value); }
 
 bool is_leaving(const InputEvent& event) {
   return event.kind == InputKind::kKeyPress && event.key == Key::kEnter;
 }
 
+bool is_press(const InputEvent& event, Key key) {
+  return event.kind == InputKind::kKeyPress && event.key == key;
+}
+
 }  // namespace
 
-SessionWindow::SessionWindow(AppWindow& window, Gui& gui, Workplace& work)
-    : window_(&window), gui_(&gui), work_(&work), input_(work.layout) {}
+std::vector<std::string> summarise(const Session& session, const SessionProtocol& protocol,
+                                   const std::map<std::string, int>& notes) {
+  int catches = 0, caught = 0, fast = 0;
+  for (const TrialRow& trial : session.trials) {
+    if (!trial.answer) continue;
+    fast += is_main(trial) && trial.too_fast ? 1 : 0;
+    if (trial.phase != Phase::kCatch) continue;
+    ++catches;
+    caught += trial.answer == trial.test_side ? 1 : 0;
+  }
+  std::vector<std::string> lines{
+      fmt::format("{} of {} answers.", count_main(session, true), count_main(session, false))};
+  if (protocol.catch_trials) {
+    lines.push_back(fmt::format("Catch trials: {} of {} right; {} is asked of a subject who attends{}.",
+                                caught, catches, protocol.catch_trials->pass,
+                                caught >= protocol.catch_trials->pass ? "" : ": NOT PASSED"));
+  }
+  if (protocol.least_response_ms > 0)
+    lines.push_back(fmt::format("Answers in less than {} ms: {}.", protocol.least_response_ms, fast));
+  for (const auto& [kind, count] : notes) lines.push_back(fmt::format("{}: {}", kind, count));
+  return lines;
+}
+
+SessionWindow::SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat)
+    : window_(&window), gui_(&gui), work_(&work), seat_(&seat), input_(work.layout) {}
 
 void SessionWindow::run() {
   window_->take_events();
+  window_->take_changes();
   while (!is_left_) {
     draw();
     window_->wait(gui_->has_events() ? 0 : kPatienceS);
+    note_changes();
     read_input();
     if (is_left_) return;
-    const auto abort = input_.find_abort(read_clock_ns());
-    if (abort) take(*abort);
+    if (const auto pause = input_.find_pause(read_clock_ns())) take(*pause);
     if (window_->is_closing()) {
       take(AbortEvent{"the window was closed", read_clock_ns()});
       return;
@@ -42,34 +83,47 @@ void SessionWindow::run() {
 }
 
 void SessionWindow::take(const SessionEvent& event) {
-  for (const SessionEffect& effect : advance(work_->open.session, event)) carry_out(effect);
+  const Screen before = session().screen;
+  for (const SessionEffect& effect : advance(session(), event)) carry_out(effect);
+  if (session().screen != before) input_.open_page(read_clock_ns());
 }
 
 void SessionWindow::carry_out(const SessionEffect& effect) {
   if (const auto* shown = std::get_if<ShowTrial>(&effect)) {
     show(shown->trial);
-  } else {
-    record_effect(work_->log, work_->open.row.id, effect);
+    return;
   }
+  record_effect(seat_->log, seat_->open.row.id, effect);
+  if (const auto* note = std::get_if<RecordNote>(&effect)) ++seat_->notes[note->kind];
 }
 
 void SessionWindow::show(int trial) {
   load_ahead(trial);
   shown_ = std::move(next_);
   next_.reset();
+  const std::int64_t begin_ns = read_clock_ns();
   draw_trial();
   const std::int64_t onset_ns = read_clock_ns();
   ignore_early_input();
   take(ShownEvent{trial, onset_ns});
   input_.open(onset_ns);
-  if (trial + 1 < static_cast<int>(work_->open.session.trials.size())) load_ahead(trial + 1);
+  const double frame_ns = work_->facts.measured_hz ? 1e9 / *work_->facts.measured_hz : 0;
+  const auto took_ns = static_cast<double>(onset_ns - begin_ns);
+  if (took_ns > std::max(kSlowNs, kSlowFrames * frame_ns))
+    take(NoteEvent{"slow_frame", fmt::format("trial {}: {:.0f} ms", trial, took_ns / 1e6), onset_ns});
+  if (trial + 1 < static_cast<int>(session().trials.size())) load_ahead(trial + 1);
 }
 
 // Decoding and uploading are done while the subject looks at the pair before.
 void SessionWindow::load_ahead(int trial) {
   if (next_ && next_->number == trial) return;
-  const TrialRow& row = work_->open.session.trials.at(static_cast<std::size_t>(trial));
-  next_ = LoadedTrial{trial, load_trial_pictures(work_->folder, work_->manifest, row)};
+  if (shown_ && shown_->number == trial) {  // after a pause
+    next_ = std::move(shown_);
+    shown_.reset();
+    return;
+  }
+  const TrialRow& row = session().trials.at(static_cast<std::size_t>(trial));
+  next_ = LoadedTrial{trial, load_trial_pictures(work_->folder(), work_->manifest, row)};
 }
 
 // What was pressed before the pair stood on the screen is known only as being down.
@@ -82,102 +136,187 @@ void SessionWindow::ignore_early_input() {
 
 void SessionWindow::read_input() {
   const auto events = window_->take_events();
-  if (work_->open.session.screen == Screen::kTrial) {
-    gui_->skip(events);
-  } else {
-    gui_->take(events);
-  }
   for (const InputEvent& event : events) {
+    if (session().screen == Screen::kTrial) {
+      gui_->skip({event});
+    } else {
+      gui_->take({event});
+    }
     if (is_over() && is_leaving(event)) is_left_ = true;
-    if (const auto meaning = input_.read(event, work_->open.session.screen)) take(*meaning);
+    if (is_over() && is_press(event, Key::kF3)) shows_summary_ = !shows_summary_;
+    if (session().screen == Screen::kPause) read_pause_key(event);
+    if (const auto meaning = input_.read(event, session().screen)) take(*meaning);
+  }
+}
+
+void SessionWindow::read_pause_key(const InputEvent& event) {
+  if (is_press(event, Key::kF1)) take(ContinueEvent{event.time_ns});
+  if (is_press(event, Key::kF2)) take(AbortEvent{read_reason(pause_), event.time_ns});
+}
+
+// Focus, size and monitors: what the experimenter wants to know afterwards.
+void SessionWindow::note_changes() {
+  for (const WindowChange& change : window_->take_changes()) {
+    if (!is_over()) take(NoteEvent{change.kind, change.detail, change.time_ns});
   }
 }
 
 bool SessionWindow::is_over() const {
-  const Screen screen = work_->open.session.screen;
-  return screen == Screen::kThanks || screen == Screen::kAborted;
+  return session().screen == Screen::kThanks || session().screen == Screen::kAborted;
+}
+
+void SessionWindow::check_framebuffer() const {
+  const Size size = window_->framebuffer();
+  if (size == work_->layout.framebuffer) return;
+  throw InputError("screen", "",
+                   fmt::format("the framebuffer with which the session began, {} x {}",
+                               work_->layout.framebuffer.width, work_->layout.framebuffer.height),
+                   fmt::format("{} x {}", size.width, size.height));
 }
 
 void SessionWindow::draw() {
-  if (work_->open.session.screen != Screen::kTrial) {
-    draw_page();
-  } else if (window_->take_damage()) {
-    draw_trial();
+  switch (session().screen) {
+    case Screen::kTrial:
+      if (window_->take_damage()) draw_trial();
+      return;
+    case Screen::kFeedback:
+      return draw_feedback();
+    case Screen::kFamiliar:
+      return draw_familiar();
+    case Screen::kPause:
+      return draw_pause_page();
+    default:
+      return draw_page();
   }
 }
 
-void SessionWindow::draw_trial() {
-  const Layout& layout = work_->layout;
-  const Size size = window_->framebuffer();
-  if (size != layout.framebuffer) {
-    throw InputError("screen", "",
-                     fmt::format("the framebuffer with which the session began, {} x {}",
-                                 layout.framebuffer.width, layout.framebuffer.height),
-                     fmt::format("{} x {}", size.width, size.height));
-  }
+void SessionWindow::draw_pair(const std::string& line, bool shows_progress) {
+  check_framebuffer();
   window_->clear();
   gui_->begin_frame();
-  draw_question(*gui_, layout, work_->open.session.experiment);
+  draw_line(*gui_, work_->layout.question, line);
+  if (shows_progress) draw_progress(work_->layout, find_progress(session()));
   gui_->end_frame();
-  draw_pictures(shown_->pictures, layout);
+  draw_pictures(shown_->pictures, work_->layout);
+  window_->swap();
+}
+
+void SessionWindow::draw_trial() {
+  draw_pair(work_->texts.at("prompt_" + format_experiment(session().experiment)), true);
+}
+
+void SessionWindow::draw_feedback() {
+  const TrialRow& trial = session().trials.at(static_cast<std::size_t>(*session().last_answered));
+  const bool was_right = trial.answer == trial.test_side;
+  const char* name = was_right                        ? "feedback_right"
+                     : trial.test_side == Side::kLeft ? "feedback_wrong_left"
+                                                      : "feedback_wrong_right";
+  draw_pair(work_->texts.at(name), false);
+}
+
+void SessionWindow::draw_familiar() {
+  check_framebuffer();
+  const int number = session().page;
+  const FamiliarPage& page = work_->inputs.familiar_pages.at(static_cast<std::size_t>(number));
+  if (!page_ || page_->number != number)
+    page_ = LoadedPage{number, load_familiar_pictures(work_->folder(), work_->manifest, page)};
+  const Layout& layout = work_->layout;
+  const Texts& texts = work_->texts;
+  window_->clear();
+  gui_->begin_frame();
+  if (page.right_key.empty()) {
+    draw_line(*gui_, layout.question,
+              texts.fill("familiar_object", {{"page", equilux::number(number + 1)},
+                                             {"pages", equilux::number(session().rules.familiar_pages)}}));
+  } else {
+    const std::string name = "familiar_" + format_experiment(session().experiment);
+    const auto above = [&](const Rectangle& place) {
+      return Rectangle{place.x, place.y - kQuestionHeight / 2, place.width, kQuestionHeight / 2};
+    };
+    draw_line(*gui_, above(layout.left), texts.at(name + "_left"));
+    draw_line(*gui_, above(layout.right), texts.at(name + "_right"));
+    draw_line(*gui_, {layout.question.x, layout.question.y, layout.question.width, kQuestionHeight / 2},
+              texts.at("familiar_turn"));
+  }
+  gui_->end_frame();
+  draw_pictures(page_->pictures, layout);
   window_->swap();
 }
 
 void SessionWindow::draw_page() {
-  const Session& session = work_->open.session;
   window_->clear();
   gui_->begin_frame();
-  bool is_begun = false;
-  if (session.screen == Screen::kInstructions) {
-    is_begun = draw_instructions(*gui_, window_->framebuffer(),
-                                 {session.experiment, static_cast<int>(session.trials.size()),
-                                  count_answered(session), work_->remarks});
-  } else {
-    is_left_ = draw_last_page() || is_left_;
-  }
+  const bool is_pressed = lay_out_page();
   gui_->end_frame();
   window_->swap();
-  if (session.screen == Screen::kInstructions && session.current < static_cast<int>(session.trials.size())) {
-    load_ahead(session.current);
+  if (is_over()) {
+    is_left_ = is_pressed || is_left_;
+    return;
   }
-  if (is_begun) take(ContinueEvent{read_clock_ns()});
+  if (session().current < static_cast<int>(session().trials.size())) load_ahead(session().current);
+  if (is_pressed) take(ContinueEvent{read_clock_ns()});
 }
 
-bool SessionWindow::draw_last_page() {
-  const Session& session = work_->open.session;
-  if (session.screen == Screen::kThanks) {
-    return draw_message(*gui_, window_->framebuffer(), "Thank you",
-                        {"That was the last question. All answers are recorded.",
-                         "Please tell the experimenter that you have finished."},
-                        "Close (Enter)");
+bool SessionWindow::lay_out_page() {
+  const Texts& texts = work_->texts;
+  const Size size = window_->framebuffer();
+  const std::string count = number(count_main(session(), false)),
+                    answered = number(count_main(session(), true));
+  switch (session().screen) {
+    case Screen::kInstructions:
+      return draw_instructions(*gui_, size, texts,
+                               {session().experiment, count_main(session(), false),
+                                count_main(session(), true), work_->setup.remarks});
+    case Screen::kPractice:
+      return draw_message(*gui_, size, texts.at("practice_title"),
+                          {texts.fill("practice_text", {{"count", number(count_practice(session()))}})},
+                          texts.at("practice_begin"));
+    case Screen::kMain:
+      return draw_message(*gui_, size, texts.at("main_title"), {texts.fill("main_text", {{"count", count}})},
+                          texts.at("main_begin"));
+    case Screen::kBreak:
+      return draw_message(*gui_, size, texts.at("break_title"),
+                          {texts.fill("break_text", {{"answered", answered}, {"count", count}})},
+                          texts.at("break_end"));
+    default:
+      return lay_out_last_page();
   }
-  return draw_message(
-      *gui_, window_->framebuffer(), "The session was ended early",
-      {fmt::format("{} of {} answers are recorded; none is lost.", count_answered(session),
-                   session.trials.size()),
-       "Please tell the experimenter. To go on where it stopped, start the same experiment with "
-       "the same participant code."},
-      "Close (Enter)");
 }
 
-void show_stop(AppWindow& window, Gui& gui, const std::string& message) {
-  bool is_left = false;
-  while (!is_left && !window.is_closing()) {
-    window.clear();
-    gui.begin_frame();
-    is_left = draw_message(gui, window.framebuffer(), "The session has stopped",
-                           {"Please call the experimenter.", message,
-                            "What was recorded until now is safe. Remove the cause, then start the same "
-                            "experiment with the same "
-                            "participant code: it goes on at the first question without a recorded answer."},
-                           "Close (Enter)");
-    gui.end_frame();
-    window.swap();
-    window.wait(gui.has_events() ? 0 : kPatienceS);
-    const auto events = window.take_events();
-    gui.take(events);
-    is_left = is_left || std::any_of(events.begin(), events.end(), is_leaving);
+void SessionWindow::draw_pause_page() {
+  window_->clear();
+  gui_->begin_frame();
+  const PauseChoice choice = draw_pause(*gui_, window_->framebuffer(), find_progress(session()), pause_);
+  gui_->end_frame();
+  window_->swap();
+  if (choice == PauseChoice::kGoOn) take(ContinueEvent{read_clock_ns()});
+  if (choice == PauseChoice::kEnd) take(AbortEvent{read_reason(pause_), read_clock_ns()});
+}
+
+bool SessionWindow::lay_out_last_page() const {
+  const Texts& texts = work_->texts;
+  const bool is_whole = session().screen == Screen::kThanks;
+  std::vector<std::string> paragraphs;
+  if (shows_summary_) {
+    paragraphs = summarise(session(), work_->inputs.protocol, seat_->notes);
+  } else if (is_whole) {
+    paragraphs = {texts.at("thanks_text"), texts.at("thanks_tell")};
+  } else {
+    paragraphs = {texts.fill("aborted_text", {{"answered", number(count_main(session(), true))},
+                                              {"count", number(count_main(session(), false))}}),
+                  texts.at("aborted_tell")};
   }
+  return draw_message(*gui_, window_->framebuffer(), texts.at(is_whole ? "thanks_title" : "aborted_title"),
+                      paragraphs, texts.at("close"));
+}
+
+void show_stop(AppWindow& window, Gui& gui, const Texts& texts, const std::string& message) {
+  show_message(
+      window, gui, texts.at("stopped_title"),
+      {texts.at("stopped_call"), message,
+       "What was recorded until now is safe. Remove the cause, then start the same experiment with the same "
+       "participant code: it goes on at the first question without a recorded answer."},
+      texts.at("close"));
 }
 
 }  // namespace equilux

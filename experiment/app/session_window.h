@@ -1,18 +1,21 @@
 // The session on the screen: events from the window in, effects of the state machine carried out in order.
 #pragma once
 
+#include <map>
 #include <optional>
+#include <string>
 
 #include "experiment/app/gui.h"
 #include "experiment/app/input.h"
 #include "experiment/app/pictures.h"
+#include "experiment/app/screens.h"
 #include "experiment/app/workplace.h"
 
 namespace equilux {
 
 class SessionWindow {
  public:
-  SessionWindow(AppWindow& window, Gui& gui, Workplace& work);
+  SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat);
 
   /// Until the last screen is left or the window is closed. errors: StoreError, InputError; then nothing more
   /// is shown and the log holds all that was answered.
@@ -24,29 +27,52 @@ class SessionWindow {
     int number = 0;
     TrialPictures pictures;
   };
+  /// A page of the familiarisation likewise.
+  struct LoadedPage {
+    int number = 0;
+    FamiliarPictures pictures;
+  };
 
+  Session& session() const { return seat_->open.session; }
   void take(const SessionEvent& event);
   void carry_out(const SessionEffect& effect);
   void show(int trial);
   void load_ahead(int trial);
   void read_input();
+  void read_pause_key(const InputEvent& event);
+  void note_changes();
   void ignore_early_input();
   void draw();
+  void draw_pair(const std::string& line, bool shows_progress);
   void draw_trial();
+  void draw_feedback();
+  void draw_familiar();
   void draw_page();
-  bool draw_last_page();
+  void draw_pause_page();
+  bool lay_out_page();
+  bool lay_out_last_page() const;
+  void check_framebuffer() const;
   bool is_over() const;
 
   AppWindow* window_;
   Gui* gui_;
-  Workplace* work_;
+  const Workplace* work_;
+  Seat* seat_;
   SubjectInput input_;
   std::optional<LoadedTrial> shown_;
   std::optional<LoadedTrial> next_;
+  std::optional<LoadedPage> page_;
+  PauseForm pause_;
+  bool shows_summary_ = false;
   bool is_left_ = false;
 };
 
+/// What the experimenter should know of a sitting that is over: answers, catch trials, too fast answers, what
+/// happened to the screen. One sentence each.
+std::vector<std::string> summarise(const Session& session, const SessionProtocol& protocol,
+                                   const std::map<std::string, int>& notes);
+
 /// A page that says what went wrong and what to do; until it is left.
-void show_stop(AppWindow& window, Gui& gui, const std::string& message);
+void show_stop(AppWindow& window, Gui& gui, const Texts& texts, const std::string& message);
 
 }  // namespace equilux

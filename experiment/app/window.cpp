@@ -97,6 +97,10 @@ Key name_key(int code) {
       return Key::kF1;
     case GLFW_KEY_F2:
       return Key::kF2;
+    case GLFW_KEY_F3:
+      return Key::kF3;
+    case GLFW_KEY_BACKSPACE:
+      return Key::kBackspace;
     default:
       return Key::kOther;
   }
@@ -178,7 +182,24 @@ struct AppWindow::Callbacks {
     of(window).events_.push_back(event);
   }
   static void refresh(GLFWwindow* window) { of(window).is_damaged_ = true; }
-  static void resize(GLFWwindow* window, int, int) { of(window).is_damaged_ = true; }
+  static void resize(GLFWwindow* window, int width, int height) {
+    of(window).is_damaged_ = true;
+    add_change(of(window), "resized", fmt::format("{} x {}", width, height));
+  }
+  static void focus(GLFWwindow* window, int focused) {
+    add_change(of(window), focused ? "focus_gained" : "focus_lost", "");
+  }
+  // GLFW tells this to no window in particular.
+  static void monitor(GLFWmonitor* monitor, int event) {
+    if (!watching_) return;
+    const bool is_there = event == GLFW_CONNECTED;
+    add_change(*watching_, is_there ? "monitor_connected" : "monitor_disconnected",
+               glfwGetMonitorName(monitor));
+  }
+  static void add_change(AppWindow& window, std::string kind, std::string detail) {
+    window.changes_.push_back({std::move(kind), std::move(detail), read_clock_ns()});
+  }
+  inline static AppWindow* watching_ = nullptr;
 
   static void install(GLFWwindow* window) {
     glfwSetKeyCallback(window, key);
@@ -188,6 +209,9 @@ struct AppWindow::Callbacks {
     glfwSetScrollCallback(window, scroll);
     glfwSetWindowRefreshCallback(window, refresh);
     glfwSetFramebufferSizeCallback(window, resize);
+    glfwSetWindowFocusCallback(window, focus);
+    glfwSetMonitorCallback(monitor);
+    watching_ = &of(window);
   }
 };
 
@@ -195,7 +219,10 @@ AppWindow::AppWindow(const Display& display) { open(display, display.size(), tru
 
 AppWindow::AppWindow(const Display& display, Size size) { open(display, size, false); }
 
-AppWindow::~AppWindow() { glfwDestroyWindow(window_); }
+AppWindow::~AppWindow() {
+  if (Callbacks::watching_ == this) Callbacks::watching_ = nullptr;
+  glfwDestroyWindow(window_);
+}
 
 void AppWindow::open(const Display& display, Size size, bool fills_monitor) {
   monitor_ = display.monitor();
@@ -255,6 +282,8 @@ void AppWindow::wait(double seconds) {
 }
 
 std::vector<InputEvent> AppWindow::take_events() { return std::exchange(events_, {}); }
+
+std::vector<WindowChange> AppWindow::take_changes() { return std::exchange(changes_, {}); }
 
 bool AppWindow::take_damage() { return std::exchange(is_damaged_, false); }
 

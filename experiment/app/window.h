@@ -34,6 +34,13 @@ class Display {
   GLFWmonitor* monitor_ = nullptr;
 };
 
+/// Something that happened to the window and is no input.
+struct WindowChange {
+  std::string kind;  ///< focus_lost, focus_gained, resized, monitor_connected, monitor_disconnected
+  std::string detail;
+  std::int64_t time_ns = 0;
+};
+
 /// A window with a GL 3.3 context, current on this thread: 8 bits a channel, no multisampling, no sRGB
 /// conversion, no dithering.
 class AppWindow {
@@ -54,6 +61,8 @@ class AppWindow {
   void wait(double seconds);
   /// What was collected, in order; each once.
   std::vector<InputEvent> take_events();
+  /// What happened to the window, in order; each once.
+  std::vector<WindowChange> take_changes();
   /// True once after the window system lost part of the picture.
   bool take_damage();
   bool is_closing() const;
@@ -74,6 +83,7 @@ class AppWindow {
   GLFWwindow* window_ = nullptr;
   GLFWmonitor* monitor_ = nullptr;
   std::vector<InputEvent> events_;
+  std::vector<WindowChange> changes_;
   bool is_damaged_ = true;
   double pointer_x_ = 0;  ///< window coordinates
   double pointer_y_ = 0;

@@ -3,33 +3,33 @@
 
 #include "base/error.h"
 #include "experiment/app/pictures.h"
+#include "experiment/app/screen_facts.h"
 #include "experiment/app/viewing.h"
-#include "experiment/schedule.h"
 
 namespace equilux {
 namespace {
 
 Size picture_size(const Manifest& manifest) { return {manifest.width, manifest.height}; }
 
-std::optional<Degrees> find_achieved(const AppParams& params, const Display& display, const Study& study,
-                                     Size picture) {
-  const auto pitch = find_pixel_pitch(display.size(), params.diagonal_m, display.reported_mm());
-  if (!pitch) return std::nullopt;
-  return find_degrees(picture, *pitch, study.viewing_distance_m);
-}
-
-ScreenRecord make_screen_record(const Display& display, const Layout& layout, const Study& study,
-                                const std::optional<Degrees>& achieved) {
+ScreenRecord make_screen_record(const Workplace& work) {
   ScreenRecord screen;
-  screen.monitor = display.monitor_name();
-  screen.framebuffer_width = layout.framebuffer.width;
-  screen.framebuffer_height = layout.framebuffer.height;
-  screen.viewing_distance_m = study.viewing_distance_m;
-  if (achieved) {
-    screen.degrees_wide = achieved->wide;
-    screen.degrees_high = achieved->high;
+  screen.monitor = work.facts.monitor;
+  screen.framebuffer_width = work.layout.framebuffer.width;
+  screen.framebuffer_height = work.layout.framebuffer.height;
+  screen.viewing_distance_m = work.setup.viewing_distance_m;
+  if (work.setup.degrees) {
+    screen.degrees_wide = work.setup.degrees->wide;
+    screen.degrees_high = work.setup.degrees->high;
   }
   return screen;
+}
+
+SessionRequest make_request(const AppParams& params) {
+  SessionRequest request;
+  request.experiment = *params.experiment;
+  request.participant = params.participant;
+  request.seed = draw_seed();
+  return request;
 }
 
 }  // namespace
@@ -46,32 +46,50 @@ Size choose_window_size(const AppParams& params, const Display& display) {
   return choose_window_size(picture, display.size());
 }
 
-Workplace open_workplace(const AppParams& params, const Display& display, AppWindow& window) {
+Workplace prepare_workplace(const AppParams& params, const Display& display, AppWindow& window) {
   const StudyFolder folder{params.study_folder};
-  Study study = load_folder_study(folder);
+  load_folder_study(folder);
   Manifest manifest = load_manifest(folder.manifest());
   const Size wanted = choose_window_size(params, display);
   if (params.windowed && window.framebuffer() != wanted) window.resize(wanted);
   const Layout layout = make_layout(window.framebuffer(), picture_size(manifest), *params.experiment);
-  const auto achieved = find_achieved(params, display, study, picture_size(manifest));
 
-  SessionRequest request;
-  request.experiment = *params.experiment;
-  request.participant = params.participant;
-  request.seed = draw_seed();
-  request.screen = make_screen_record(display, layout, study, achieved);
-  std::optional<TrialLog> found = find_log(folder);
-  const SessionInputs inputs = load_session_inputs(folder, found ? &*found : nullptr, request);
-  check_pictures(folder, manifest, enumerate_showable(study, inputs.experiment, inputs.cells));
-  TrialLog log = found ? std::move(*found) : TrialLog(folder.responses(), true);
-  OpenSession open = open_session(inputs, log, request);
+  const SessionRequest request = make_request(params);
+  std::optional<TrialLog> log = find_log(folder);
+  SessionInputs inputs = load_session_inputs(folder, log ? &*log : nullptr, request);
+  check_pictures(folder, manifest, enumerate_session_keys(inputs));
+  const bool goes_on = log && find_unfinished_session(inputs, *log, request);
+  Texts texts = load_texts(inputs.protocol.language, folder.root);
+  Workplace work{std::move(inputs),
+                 std::move(manifest),
+                 std::move(texts),
+                 request,
+                 layout,
+                 read_screen_facts(display, window),
+                 {},
+                 {},
+                 std::move(log),
+                 goes_on};
+  set_up(work, {params.diagonal_m, 0, 0});
+  return work;
+}
 
-  std::vector<std::string> remarks;
-  const std::string deviation = describe_deviation(
-      achieved, {study.target_degrees_wide, study.target_degrees_high}, study.viewing_distance_m);
-  if (!deviation.empty()) remarks.push_back(deviation);
-  return {folder,          std::move(study), std::move(manifest), std::move(log),
-          std::move(open), layout,           std::move(remarks)};
+void set_up(Workplace& work, const SetupInput& input) {
+  const Study& study = work.inputs.study;
+  const ViewingTarget target{{study.target_degrees_wide, study.target_degrees_high},
+                             study.viewing_distance_m};
+  work.setup_input = input;
+  work.setup = find_setup(input, work.facts, target, picture_size(work.manifest));
+}
+
+Seat take_seat(Workplace& work, const std::map<std::string, std::string>& fields) {
+  work.request.screen = make_screen_record(work);
+  work.request.fields = find_screen_fields(work.setup, work.facts);
+  work.request.fields.insert(fields.begin(), fields.end());
+  TrialLog log = work.log ? std::move(*work.log) : TrialLog(work.folder().responses(), true);
+  work.log.reset();
+  OpenSession open = open_session(work.inputs, log, work.request);
+  return {std::move(log), std::move(open)};
 }
 
 }  // namespace equilux

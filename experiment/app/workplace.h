@@ -1,25 +1,41 @@
 // All that a session needs before its first screen, opened and checked.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiment/app/app.h"
 #include "experiment/app/layout.h"
+#include "experiment/app/setup.h"
 #include "experiment/app/window.h"
 #include "experiment/open_session.h"
+#include "experiment/texts.h"
 #include "stimuli/manifest.h"
 
 namespace equilux {
 
 struct Workplace {
-  StudyFolder folder;
-  Study study;
+  SessionInputs inputs;
   Manifest manifest;
+  Texts texts;
+  SessionRequest request;
+  Layout layout;
+  ScreenFacts facts;
+  SetupInput setup_input;
+  ViewingSetup setup;
+  std::optional<TrialLog> log;  ///< empty where no session has begun
+  bool goes_on = false;         ///< the participant has a session that was interrupted
+
+  const StudyFolder& folder() const { return inputs.folder; }
+};
+
+/// A session that has begun.
+struct Seat {
   TrialLog log;
   OpenSession open;
-  Layout layout;
-  std::vector<std::string> remarks;  ///< for the experimenter
+  std::map<std::string, int> notes = {};  ///< events of this sitting that are no answers, by kind
 };
 
 /// True if nothing is left to ask for.
@@ -29,8 +45,14 @@ bool is_complete(const AppParams& params);
 /// a screen that is too small.
 Size choose_window_size(const AppParams& params, const Display& display);
 
-/// Opens study, log and session; makes a plain window the size of the study's layout. errors: InputError,
-/// StoreError
-Workplace open_workplace(const AppParams& params, const Display& display, AppWindow& window);
+/// Checks that this session can begin or go on, and makes a plain window the size of the study's layout;
+/// writes nothing. errors: InputError, StoreError
+Workplace prepare_workplace(const AppParams& params, const Display& display, AppWindow& window);
+
+/// What the experimenter set up, with what follows from it.
+void set_up(Workplace& work, const SetupInput& input);
+
+/// Begins the session, with what was asked before it, or goes on with it. errors: InputError, StoreError
+Seat take_seat(Workplace& work, const std::map<std::string, std::string>& fields);
 
 }  // namespace equilux

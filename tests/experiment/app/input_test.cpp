@@ -99,14 +99,14 @@ TEST_F(InputTest, SpaceAndEnterLeaveOnlyTheInstructions) {
 
 TEST_F(InputTest, EscapeMustBeHeldForTwoSecondsOnEnd) {
   constexpr std::int64_t kSecond = 1'000'000'000;
-  EXPECT_FALSE(input_.find_abort(100 * kSecond).has_value());
+  EXPECT_FALSE(input_.find_pause(100 * kSecond).has_value());
   read(press(Key::kEscape, kSecond));
-  EXPECT_FALSE(input_.find_abort(3 * kSecond - 1).has_value());
-  EXPECT_TRUE(input_.find_abort(3 * kSecond).has_value());
+  EXPECT_FALSE(input_.find_pause(3 * kSecond - 1).has_value());
+  EXPECT_TRUE(input_.find_pause(3 * kSecond).has_value());
   read(release(Key::kEscape, 3 * kSecond));
-  EXPECT_FALSE(input_.find_abort(4 * kSecond).has_value());
+  EXPECT_FALSE(input_.find_pause(4 * kSecond).has_value());
   read(press(Key::kEscape, 4 * kSecond));
-  EXPECT_FALSE(input_.find_abort(5 * kSecond).has_value());
+  EXPECT_FALSE(input_.find_pause(5 * kSecond).has_value());
 }
 
 }  // namespace

@@ -1,0 +1,21 @@
+// Pages before a session: the experimenter's set-up, consent, questions.
+#pragma once
+
+#include "experiment/app/gui.h"
+#include "experiment/app/workplace.h"
+#include "experiment/intake.h"
+
+namespace equilux {
+
+/// Lets the experimenter tell the size of the screen and the distance. False if the window was closed.
+bool ask_setup(AppWindow& window, Gui& gui, Workplace& work);
+
+/// Consent and questions; the step it ends with is kDone or kDeclined, or an earlier one if the window was
+/// closed.
+Intake ask_intake(AppWindow& window, Gui& gui, const Workplace& work);
+
+/// A page with one button; until it is left.
+void show_message(AppWindow& window, Gui& gui, const std::string& title,
+                  const std::vector<std::string>& paragraphs, const std::string& button);
+
+}  // namespace equilux

@@ -1,0 +1,81 @@
+// Dear ImGui as pages of text.
+#include "experiment/app/pages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <imgui.h>
+
+namespace equilux {
+namespace {
+
+constexpr float kPageWidth = 760;
+constexpr float kPageMargin = 24;
+constexpr float kPadding = 16;
+constexpr float kIndent = 40;
+constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
+
+}  // namespace
+
+Page::Page(const Gui& gui, Size framebuffer, const std::string& title) {
+  const float width =
+      std::min(kPageWidth * gui.text_scale(), static_cast<float>(framebuffer.width) - 2 * kPageMargin);
+  const float top =
+      std::floor(static_cast<float>(framebuffer.height) * (gui.text_scale() > 1 ? 0.05F : 0.14F));
+  ImGui::PushFont(gui.text_font());
+  ImGui::SetNextWindowPos(ImVec2(std::floor((static_cast<float>(framebuffer.width) - width) / 2), top));
+  ImGui::SetNextWindowSize(ImVec2(width, static_cast<float>(framebuffer.height) - top - kPageMargin));
+  ImGui::Begin("page", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
+                   ImGuiWindowFlags_NoSavedSettings);
+  ImGui::PushTextWrapPos(0);
+  ImGui::PushFont(gui.title_font());
+  ImGui::TextUnformatted(title.c_str());
+  ImGui::PopFont();
+  ImGui::Spacing();
+}
+
+Page::~Page() {
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+  ImGui::PopFont();
+}
+
+void Page::say(const std::string& paragraph) const { ImGui::TextWrapped("%s", paragraph.c_str()); }
+
+void Page::say_indented(const std::string& paragraph) const {
+  ImGui::Indent(kIndent);
+  say(paragraph);
+  ImGui::Unindent(kIndent);
+}
+
+bool Page::press(const std::string& button) const {
+  ImGui::Spacing();
+  return ImGui::Button(button.c_str());
+}
+
+void Page::warn(const std::string& text) const {
+  const float width = ImGui::GetContentRegionAvail().x;
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, width - 2 * kPadding);
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  const ImVec2 end(corner.x + width, corner.y + size.y + 2 * kPadding);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(corner, end, IM_COL32(232, 232, 232, 255), 3);
+  list->AddRectFilled(corner, ImVec2(corner.x + 6, end.y), IM_COL32(150, 0, 0, 255));
+  list->AddText(nullptr, 0, ImVec2(corner.x + kPadding, corner.y + kPadding), kBlack, text.c_str(), nullptr,
+                width - 2 * kPadding);
+  ImGui::Dummy(ImVec2(width, end.y - corner.y));
+}
+
+void Page::leave_space() const { ImGui::Spacing(); }
+
+void draw_line(const Gui& gui, const Rectangle& place, const std::string& text) {
+  ImFont* font = gui.text_font();
+  const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6F, 0, text.c_str());
+  const ImVec2 corner(
+      std::floor(static_cast<float>(place.x) + (static_cast<float>(place.width) - size.x) / 2),
+      std::floor(static_cast<float>(place.y) + (static_cast<float>(place.height) - size.y) / 2));
+  ImGui::GetBackgroundDrawList()->AddText(font, font->FontSize, corner, kBlack, text.c_str());
+}
+
+}  // namespace equilux

@@ -1,0 +1,31 @@
+// A page: a column of text and controls in the middle of the grey screen.
+#pragma once
+
+#include <string>
+
+#include "experiment/app/gui.h"
+#include "experiment/app/layout.h"
+
+namespace equilux {
+
+/// What is laid out between its making and its end stands on the page; it scrolls where it does not fit.
+class Page {
+ public:
+  Page(const Gui& gui, Size framebuffer, const std::string& title);
+  ~Page();
+  Page(const Page&) = delete;
+  Page& operator=(const Page&) = delete;
+
+  void say(const std::string& paragraph) const;
+  void say_indented(const std::string& paragraph) const;
+  /// True when it was pressed.
+  bool press(const std::string& button) const;
+  /// A pale panel, for what must not be overlooked.
+  void warn(const std::string& text) const;
+  void leave_space() const;
+};
+
+/// One line in the middle of a rectangle, without a page.
+void draw_line(const Gui& gui, const Rectangle& place, const std::string& text);
+
+}  // namespace equilux

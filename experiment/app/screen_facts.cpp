@@ -1,0 +1,116 @@
+// GLFW, GL and, for the colour profile, a property of the X root window.
+#include "experiment/app/screen_facts.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <X11/Xatom.h>
+#include <X11/Xlib.h>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <string_view>
+
+#include "experiment/app/gl.h"
+
+namespace equilux {
+namespace {
+
+constexpr int kFrames = 40, kFirstFrames = 8;  // the first ones wait for the window to settle
+constexpr const char* kNotKnown = "not known";
+
+std::string read_gl_string(GLenum name) {
+  const auto* text = reinterpret_cast<const char*>(glGetString(name));
+  return text ? text : kNotKnown;
+}
+
+std::string describe_gamma_ramp(GLFWmonitor* monitor) {
+  const GLFWgammaramp* ramp = glfwGetGammaRamp(monitor);
+  if (!ramp || ramp->size < 2) return kNotKnown;
+  for (unsigned i = 0; i < ramp->size; ++i) {
+    const double identity = 65535.0 * i / (ramp->size - 1);
+    for (const unsigned short* channel : {ramp->red, ramp->green, ramp->blue}) {
+      if (std::abs(channel[i] - identity) > 256) return "changed";  // one step of 8 bits
+    }
+  }
+  return "identity";
+}
+
+// The profile description of an ICC file: tag 'desc', as text or as the first record of a 'mluc'. source:
+// ICC.1:2010
+std::string find_profile_name(std::string_view profile) {
+  const auto number = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(profile[at + i]);
+    return value;
+  };
+  if (profile.size() < 132) return "";
+  const std::size_t tags = std::min<std::size_t>(number(128), (profile.size() - 132) / 12);
+  for (std::size_t i = 0; i < tags; ++i) {
+    const std::size_t tag = 132 + 12 * i;
+    const std::size_t from = number(tag + 4), size = number(tag + 8);
+    if (profile.substr(tag, 4) != "desc" || from > profile.size() || size > profile.size() - from) continue;
+    std::string name;
+    for (const char letter : profile.substr(from, size).substr(std::min<std::size_t>(size, 12))) {
+      if (letter >= ' ' && letter <= '~') name += letter;
+    }
+    return name.substr(0, 100);
+  }
+  return "";
+}
+
+std::string read_icc_profile(::Display* x) {
+  const Atom atom = XInternAtom(x, "_ICC_PROFILE", True);
+  if (atom == None) return "";
+  Atom type = None;
+  int format = 0;
+  unsigned long count = 0, left = 0;
+  unsigned char* bytes = nullptr;
+  constexpr long kMostWords = 1 << 20;
+  const int code = XGetWindowProperty(x, DefaultRootWindow(x), atom, 0, kMostWords, False, AnyPropertyType,
+                                      &type, &format, &count, &left, &bytes);
+  if (code != Success || !bytes) return "";
+  const std::string profile(reinterpret_cast<const char*>(bytes), format == 8 ? count : 0);
+  XFree(bytes);
+  return profile;
+}
+
+std::string describe_icc_profile() {
+  ::Display* x = XOpenDisplay(nullptr);
+  if (!x) return kNotKnown;
+  const std::string profile = read_icc_profile(x);
+  XCloseDisplay(x);
+  if (profile.empty()) return kNotKnown;
+  return fmt::format("{} ({} bytes)", find_profile_name(profile), profile.size());
+}
+
+std::optional<double> measure_refresh_hz(AppWindow& window) {
+  std::vector<std::int64_t> shown;
+  for (int frame = 0; frame < kFirstFrames + kFrames; ++frame) {
+    window.clear();
+    window.swap();
+    if (frame >= kFirstFrames) shown.push_back(read_clock_ns());
+  }
+  return find_refresh_hz(shown);
+}
+
+}  // namespace
+
+ScreenFacts read_screen_facts(const Display& display, AppWindow& window) {
+  ScreenFacts facts;
+  facts.monitor = display.monitor_name();
+  facts.mode = display.size();
+  facts.mode_hz = glfwGetVideoMode(display.monitor())->refreshRate;
+  facts.reported_mm = display.reported_mm();
+  facts.framebuffer = window.framebuffer();
+  float scale_x = 1, scale_y = 1;
+  glfwGetWindowContentScale(window.handle(), &scale_x, &scale_y);
+  facts.content_scale = std::max(scale_x, scale_y);
+  facts.gl_renderer = read_gl_string(GL_RENDERER);
+  facts.gl_version = read_gl_string(GL_VERSION);
+  facts.gamma_ramp = describe_gamma_ramp(display.monitor());
+  facts.icc_profile = describe_icc_profile();
+  facts.measured_hz = measure_refresh_hz(window);
+  return facts;
+}
+
+}  // namespace equilux

@@ -1,0 +1,64 @@
+// What the experimenter sets up before a subject sits down: how large a pixel is and how far the eye. Pure.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/app/layout.h"
+#include "experiment/app/viewing.h"
+
+namespace equilux {
+
+/// A bank card's long side. source: ISO/IEC 7810, ID-1. units: m
+inline constexpr double kCardWidthM = 0.0856;
+
+/// What the system says of a screen, and what was measured on it.
+struct ScreenFacts {
+  std::string monitor;
+  Size mode;  ///< of the current video mode; units: pixels
+  double mode_hz = 0;
+  Size reported_mm;  ///< 0: not known
+  Size framebuffer;
+  double content_scale = 1;
+  std::optional<double> measured_hz;  ///< by the time from one shown frame to the next, its median
+  std::string gl_renderer;
+  std::string gl_version;
+  std::string gamma_ramp;   ///< identity, changed, not known
+  std::string icc_profile;  ///< name and size, or not known
+};
+
+/// What the experimenter gave; 0: not given.
+struct SetupInput {
+  double diagonal_m = 0;  ///< of the visible screen
+  int card_px = 0;        ///< pixels that are as wide as a bank card held to the screen
+  double viewing_distance_m = 0;
+};
+
+struct ViewingTarget {
+  Degrees degrees;
+  double viewing_distance_m = 0;
+};
+
+struct ViewingSetup {
+  std::optional<PixelPitch> pitch;
+  std::string pitch_source;  ///< card, diagonal, system or not known
+  double viewing_distance_m = 0;
+  std::optional<Degrees> degrees;    ///< of one picture
+  std::vector<std::string> remarks;  ///< for the experimenter: what is not as it should be
+};
+
+/// The card comes before the diagonal, and that before what the system says. `picture` in pixels.
+ViewingSetup find_setup(const SetupInput& input, const ScreenFacts& facts, const ViewingTarget& target,
+                        Size picture);
+
+/// What a session keeps of it, by field name.
+std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup, const ScreenFacts& facts);
+
+/// From times of shown frames to frames a second, by the median interval; empty for fewer than three. units:
+/// ns
+std::optional<double> find_refresh_hz(const std::vector<std::int64_t>& shown_ns);
+
+}  // namespace equilux

@@ -1,0 +1,104 @@
+// The experimenter's set-up: which size counts, and what is remarked on.
+#include "experiment/app/setup.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace equilux {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+// 110.7 pixels an inch: the paper's screen, on which a picture spans 16 x 12 degrees at 18 inches.
+constexpr double kPitchM = 0.0254 / 110.7;
+constexpr Size kPicture{560, 420};
+const ViewingTarget kTarget{{16, 12}, 0.4572};
+
+ScreenFacts make_facts() {
+  ScreenFacts facts;
+  facts.monitor = "DP-1";
+  facts.mode = {1600, 1200};
+  facts.mode_hz = 60;
+  facts.measured_hz = 59.94;
+  facts.gamma_ramp = "identity";
+  return facts;
+}
+
+TEST(SetupTest, TheCardCountsBeforeTheDiagonalAndThatBeforeTheSystem) {
+  ScreenFacts facts = make_facts();
+  EXPECT_EQ(find_setup({}, facts, kTarget, kPicture).pitch_source, "not known");
+  facts.reported_mm = {367, 275};
+  SetupInput input;
+  EXPECT_EQ(find_setup(input, facts, kTarget, kPicture).pitch_source, "system");
+  input.diagonal_m = 2000 * kPitchM;
+  EXPECT_EQ(find_setup(input, facts, kTarget, kPicture).pitch_source, "diagonal");
+  input.card_px = 373;  // .0856 m at 110.7 pixels an inch: 373.07
+  const ViewingSetup setup = find_setup(input, facts, kTarget, kPicture);
+  EXPECT_EQ(setup.pitch_source, "card");
+  EXPECT_NEAR(setup.pitch->x_m, kPitchM, 1e-3 * kPitchM);
+  EXPECT_NEAR(setup.degrees->wide, 16, .1);
+  EXPECT_THAT(setup.remarks, IsEmpty());
+}
+
+TEST(SetupTest, TheTypedDistanceTakesTheProtocolsPlace) {
+  SetupInput input;
+  input.diagonal_m = 2000 * kPitchM;
+  EXPECT_EQ(find_setup(input, make_facts(), kTarget, kPicture).viewing_distance_m, .4572);
+  input.viewing_distance_m = .9144;
+  const ViewingSetup setup = find_setup(input, make_facts(), kTarget, kPicture);
+  EXPECT_EQ(setup.viewing_distance_m, .9144);
+  EXPECT_THAT(setup.remarks, ElementsAre(AllOf(HasSubstr("at 91 cm"), HasSubstr("8.0 x 6.0"))));
+}
+
+TEST(SetupTest, SizesThatDisagreeAreNamed) {
+  SetupInput input;
+  input.diagonal_m = 2000 * kPitchM * 1.05;
+  input.card_px = 373;
+  EXPECT_THAT(find_setup(input, make_facts(), kTarget, kPicture).remarks,
+              ElementsAre(AllOf(HasSubstr("by the card"), HasSubstr("by the diagonal"))));
+  input.diagonal_m = 2000 * kPitchM * 1.02;
+  EXPECT_THAT(find_setup(input, make_facts(), kTarget, kPicture).remarks, IsEmpty());
+}
+
+TEST(SetupTest, WhatIsOddAboutTheScreenIsRemarkedOn) {
+  SetupInput input;
+  input.card_px = 373;
+  ScreenFacts facts = make_facts();
+  facts.content_scale = 1.5;
+  facts.gamma_ramp = "changed";
+  facts.measured_hz = 144;
+  EXPECT_THAT(find_setup(input, facts, kTarget, kPicture).remarks,
+              ElementsAre(HasSubstr("by 1.50"), HasSubstr("gamma ramp"), HasSubstr("144.0 Hz")));
+  facts = make_facts();
+  facts.mode_hz = 0;  // a system that does not say
+  EXPECT_THAT(find_setup(input, facts, kTarget, kPicture).remarks, IsEmpty());
+}
+
+TEST(SetupTest, TheFieldsOfASessionTellHowItWasSetUp) {
+  SetupInput input;
+  input.card_px = 373;
+  const ScreenFacts facts = make_facts();
+  const auto fields = find_screen_fields(find_setup(input, facts, kTarget, kPicture), facts);
+  EXPECT_EQ(fields.at("pixel_pitch_source"), "card");
+  EXPECT_EQ(fields.at("pixel_pitch_x_mm"), "0.22949");
+  EXPECT_EQ(fields.at("refresh_hz_measured"), "59.940");
+  EXPECT_EQ(fields.at("video_mode"), "1600x1200");
+}
+
+// Intervals of 60 and 144 Hz with one dropped frame; and of a screen that does not wait.
+TEST(SetupTest, TheRefreshRateIsThatOfTheMedianInterval) {
+  for (const double hz : {60.0, 144.0}) {
+    std::vector<std::int64_t> shown;
+    for (int i = 0; i < 40; ++i)
+      shown.push_back(static_cast<std::int64_t>((i + (i > 20 ? 1 : 0)) * 1e9 / hz));
+    EXPECT_NEAR(find_refresh_hz(shown).value_or(0), hz, 1e-4);
+  }
+  EXPECT_FALSE(find_refresh_hz({5, 5, 5, 5}).has_value());
+  EXPECT_FALSE(find_refresh_hz({1, 2}).has_value());
+}
+
+}  // namespace
+}  // namespace equilux

@@ -1,0 +1,70 @@
+// The table of texts and translations of it.
+#include "experiment/texts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/json.h"
+#include "protocols/experiment.h"
+#include "tests/support/failures.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class TextsTest : public ::testing::Test {
+ protected:
+  Texts load(const std::map<std::string, std::string>& texts) {
+    Json table;
+    for (const auto& [name, text] : texts) table.set(name, text);
+    folder_.write("texts-xx.json", format_json(Json().set("texts", table)));
+    return load_texts("xx", folder_.path());
+  }
+  std::string refusal_of(const std::map<std::string, std::string>& texts) {
+    return message_of<InputError>([&] { load(texts); });
+  }
+
+  const TempFolder folder_;
+  const Texts english_ = load_texts("en", folder_.path());
+};
+
+TEST_F(TextsTest, ThePromptsAreThoseOfTheStudyToTheLetter) {
+  EXPECT_EQ(english_.at("prompt_artifact"), "Select the image that has the artifacts.");
+  EXPECT_EQ(english_.at("prompt_material"), "Which object's material is different from the reference?");
+  EXPECT_EQ(english_.at("prompt_artifact"), prompt_of(Experiment::kArtifact));
+  EXPECT_EQ(english_.at("prompt_material"), prompt_of(Experiment::kMaterial));
+}
+
+TEST_F(TextsTest, FillsPlacesInBraces) {
+  EXPECT_EQ(english_.fill("aborted_text", {{"answered", "3"}, {"count", "8"}}),
+            "3 of 8 answers are recorded; none is lost.");
+}
+
+TEST_F(TextsTest, AnotherLanguageIsAFileToAdd) {
+  auto texts = english_.all();
+  texts["close"] = "Schließen (Enter)";
+  EXPECT_EQ(load(texts).at("close"), "Schließen (Enter)");
+  EXPECT_THAT(message_of<InputError>([&] { load_texts("de", folder_.path()); }), HasSubstr("texts-de.json"));
+}
+
+TEST_F(TextsTest, ATranslationIsCompleteAndHasTheSamePlaces) {
+  auto texts = english_.all();
+  texts.erase("close");
+  EXPECT_THAT(refusal_of(texts), AllOf(HasSubstr("/texts/close"), HasSubstr("Close (Enter)")));
+  texts = english_.all();
+  texts["aborted_text"] = "{answered} of {all}";
+  EXPECT_THAT(refusal_of(texts), AllOf(HasSubstr("/texts/aborted_text"), HasSubstr("{answered} of {all}")));
+  texts = english_.all();
+  texts["surplus"] = "x";
+  EXPECT_THAT(refusal_of(texts), HasSubstr("/texts/surplus"));
+  texts = english_.all();
+  texts["close"] = "";
+  EXPECT_THAT(refusal_of(texts), HasSubstr("/texts/close"));
+}
+
+}  // namespace
+}  // namespace equilux
