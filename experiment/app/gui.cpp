@@ -137,14 +137,16 @@ void Gui::forward(const InputEvent& event) {
 
 void Gui::leave_field() { ImGui::ClearActiveID(); }
 
-// ImGui 1.86 looks at keys once a frame, so that it would miss a Tab that goes down and up between two.
+// ImGui 1.86 looks at keys once a frame, so that it would miss a Tab that goes down and up between two; a Space too,
+// where it presses a button and is no text.
 void Gui::begin_frame() {
   while (!events_.empty()) {
     const InputEvent event = events_.front();
     events_.pop_front();
     forward(event);
     const bool is_click = event.kind == InputKind::kMousePress;
-    if (is_click || (is_key(event) && !is_text_key(event))) break;
+    const bool is_typing = is_text_key(event) && ImGui::GetIO().WantTextInput;
+    if (is_click || (is_key(event) && !is_typing)) break;
   }
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();

@@ -26,6 +26,7 @@ std::string read_gl_string(GLenum name) {
 std::string describe_gamma_ramp(GLFWmonitor* monitor) {
   const GLFWgammaramp* ramp = glfwGetGammaRamp(monitor);
   if (!ramp || ramp->size < 2) return kNotKnown;
+  if (ramp->red[ramp->size - 1] == 0) return kNotKnown;  // a screen without one
   for (unsigned i = 0; i < ramp->size; ++i) {
     const double identity = 65535.0 * i / (ramp->size - 1);
     for (const unsigned short* channel : {ramp->red, ramp->green, ramp->blue}) {

@@ -136,6 +136,10 @@ TEST_F(AppTest, TheStartScreenAsksForWhatIsMissingAndSaysWhatIsWrong) {
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
   display.type_text(folder.root.string());  // the keyboard is in the empty field
   display.type_key("Return");
+  session.wait_for_page("setup");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "nothing is written before the session begins";
+  display.type_key("Return");
   const std::int64_t id = session.wait_for_session(Experiment::kMaterial);
   EXPECT_EQ(TrialLog(folder.responses()).load_sessions().back().participant, "P_07-b");
   session.wait_for_page("start-instructions");
@@ -159,6 +163,9 @@ TEST_F(AppTest, WhatIsTypedWhileTheStartScreenIsBusyIsNotLost) {
   display.type_key("F1");
   display.type_key("Return");
   display.type_text(folder.root.string());
+  display.type_key("Return");
+  session.wait_for_error("busy-setup");  // which says that this screen's size is not known
+  ASSERT_FALSE(HasFatalFailure());
   display.type_key("Return");
   ASSERT_NE(session.wait_for_session(Experiment::kArtifact), 0);
   EXPECT_EQ(TrialLog(folder.responses()).load_sessions().back().participant, "P08");
@@ -335,7 +342,7 @@ TEST_F(AppTest, AfterAKillTheSamePairIsShownAgainAndNoAnswerIsLost) {
   EXPECT_EQ(TrialLog(folder.responses()).load_sessions().size(), 1U);
 }
 
-TEST_F(AppTest, EscapeEndsTheSessionOnlyWhenItIsHeldAndTheSessionCanGoOn) {
+TEST_F(AppTest, EscapePausesOnlyWhenItIsHeldAndAnEndedSessionCanGoOn) {
   const StudyFolder folder = make_study(kSmallPlan);
   XDisplay display;
   std::vector<TrialRow> trials;
@@ -353,13 +360,24 @@ TEST_F(AppTest, EscapeEndsTheSessionOnlyWhenItIsHeldAndTheSessionCanGoOn) {
     display.type_key("Escape");
     EXPECT_TRUE(session.stays(trials[1]));
     display.press_key("Escape");
-    session.wait_for_page("ended-early");
+    session.wait_for_page("paused");
     ASSERT_FALSE(HasFatalFailure());
     display.release_key("Escape");
+    display.type_key("F1");
+    session.wait_for_trial(trials[1]);  // the same pair again
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_EQ(count_showings(folder, id, 1), 2);
+    display.press_key("Escape");
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.release_key("Escape");
+    display.type_key("F2");
+    session.wait_for_page("ended-early");
+    ASSERT_FALSE(HasFatalFailure());
     display.type_key("Return");
     EXPECT_EQ(session.program().wait(), 0);
     EXPECT_THAT(session.program().read_output(), HasSubstr("1 of 8 answers"));
-    EXPECT_EQ(last_abort(folder), "Escape was held");
+    EXPECT_EQ(last_abort(folder), "ended by the experimenter");
   }
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
   session.wait_for_page("");
@@ -403,6 +421,99 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), HasSubstr("G0-MS-ind-ref-v0.png: expected the digest"));
   EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
+}
+
+// A protocol with everything in it: what it asks for comes in order, and is in the log afterwards.
+constexpr const char* kWholeProtocol = R"({
+  "schema": "equilux-session", "schema_version": 1,
+  "consent": {"version": "7", "text": ["This is what you are asked to agree to.", "You may stop at any time."]},
+  "questions": {"acuity": "required", "age_band": "optional", "ambient_light": "optional"},
+  "familiarisation": {"objects": true, "examples": 1, "practice_trials": 2},
+  "breaks": {"every_trials": 6}, "least_response_ms": 30, "catch_trials": {"count": 2, "pass": 1}
+})";
+
+void write_protocol(const StudyFolder& folder) { std::ofstream(folder.session()) << kWholeProtocol; }
+
+TEST_F(AppTest, AWholeProtocolLeadsFromConsentToThanks) {
+  const StudyFolder folder = make_study(kPaperPlan);
+  write_protocol(folder);
+  XDisplay display;
+  WatchedSession session(display, folder, kPaperPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("protocol-consent");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  display.type_key("Return");
+  session.wait_for_page("protocol-questions");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  session.wait_for_error("protocol-question-missing");  // acuity is required
+  ASSERT_FALSE(HasFatalFailure());
+  for (const char* key : {"Tab", "Down", "Down", "space"}) display.type_key(key);  // over two lines of ages
+  session.wait_for_page("protocol-question-answered");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("protocol-instructions");
+  ASSERT_FALSE(HasFatalFailure());
+  const auto trials = session.load_trials(id);
+  ASSERT_EQ(trials.size(), 2U + 2U + kSmallArtifactTrials);
+  for (const char* name : {"protocol-object", "", "protocol-example", "protocol-practice"}) {
+    display.type_key("space");
+    session.wait_for_page(name);
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  display.type_key("space");
+  for (std::size_t i = 0; i < 2; ++i) {
+    session.wait_for_trial(trials[i]);
+    ASSERT_FALSE(HasFatalFailure());
+    const bool right = i == 0;
+    session.answer_by_key((trials[i].test_side == Side::kLeft) == right ? Side::kLeft : Side::kRight);
+    session.wait_for_page(right ? "protocol-feedback-right" : "protocol-feedback-wrong");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("space");
+  }
+  session.wait_for_page("protocol-main");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  answer_all(session, trials, 2, 8);
+  session.wait_for_page("protocol-break");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  answer_all(session, trials, 8, 12);
+  session.wait_for_page("protocol-thanks");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F3");
+  session.wait_for_page("protocol-summary");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("10 of 10 answers"));
+  EXPECT_THAT(session.program().read_output(), HasSubstr("Catch trials"));
+  const TrialLog log(folder.responses());
+  const SessionRow row = log.load_sessions().back();
+  EXPECT_TRUE(row.complete);
+  EXPECT_EQ(row.fields.at("consent_version"), "7");
+  EXPECT_FALSE(row.fields.at("gl_renderer").empty());
+  EXPECT_EQ(row.fields.at("acuity"), "normal");
+  EXPECT_FALSE(row.fields.contains("age_band"));
+  EXPECT_EQ(log.load_answers(SubjectKind::kPerson, Experiment::kArtifact).size(),
+            static_cast<std::size_t>(kSmallArtifactTrials));
+}
+
+TEST_F(AppTest, WhoDeclinesLeavesNoTrace) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_protocol(folder);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("BackSpace");
+  session.wait_for_page("protocol-declined");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("does not take part"));
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
 }
 
 }  // namespace
