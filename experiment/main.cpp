@@ -34,6 +34,8 @@ struct RunOptions {
   double diagonal_inches = 0;
   bool asks_setup = false;
   double text_scale = 1;
+  std::optional<std::int64_t> planted_seed;
+  double pace = 1;
 };
 
 void print_acknowledgement(std::int64_t session, int trial) {
@@ -67,6 +69,8 @@ int run(const RunOptions& options) {
   params.diagonal_m = options.diagonal_inches * 0.0254;
   params.asks_setup = options.asks_setup;
   params.text_scale = options.text_scale;
+  if (options.planted_seed) params.planted_seed = static_cast<std::uint64_t>(*options.planted_seed);
+  params.pace = options.pace;
   return run_app(params);
 }
 #else
@@ -114,6 +118,15 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--text-scale", options.text_scale, "Of all text")
       ->type_name("FACTOR")
       ->check(CLI::Range(0.5, 3.0));
+  command
+      ->add_option("--planted", options.planted_seed,
+                   "A planted subject of this seed answers in a person's place")
+      ->type_name("SEED")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--pace", options.pace, "Of the planted response times; 0 answers at once")
+      ->type_name("FACTOR")
+      ->check(CLI::Range(0.0, 10.0))
+      ->needs("--planted");
   command->footer("Example: equilux-session run studies/pocket --experiment artifact --participant P01");
 }
 

@@ -40,4 +40,8 @@ std::int64_t draw_planted_response_time_ns(const PlantedSubject& subject, int tr
   return static_cast<std::int64_t>(seconds * 1e9);
 }
 
+std::string name_planted(std::uint64_t seed, std::int64_t index) {
+  return fmt::format("planted-{}-{}", seed, index);
+}
+
 }  // namespace equilux

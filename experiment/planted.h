@@ -26,4 +26,7 @@ Side choose_planted_side(const Truth& truth, const PlantedSubject& subject, cons
 /// and nothing is concluded from it. units: ns
 std::int64_t draw_planted_response_time_ns(const PlantedSubject& subject, int trial);
 
+/// The participant code of a planted subject: planted-SEED-INDEX.
+std::string name_planted(std::uint64_t seed, std::int64_t index);
+
 }  // namespace equilux

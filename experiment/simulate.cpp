@@ -79,10 +79,6 @@ class Sitting {
   std::int64_t clock_ns_ = 0;
 };
 
-std::string participant_code(std::uint64_t seed, std::int64_t index) {
-  return fmt::format("planted-{}-{}", seed, index);
-}
-
 }  // namespace
 
 SimulateCounts simulate_subjects(const StudyFolder& folder, const SimulateParams& params) {
@@ -104,7 +100,7 @@ SimulateCounts simulate_subjects(const StudyFolder& folder, const SimulateParams
     progress.advance(1);
   }
   while (counts.kept + counts.resumed + counts.added < params.subjects) {
-    seat(participant_code(params.seed, log.find_free_index(SubjectKind::kPlanted, params.experiment)));
+    seat(name_planted(params.seed, log.find_free_index(SubjectKind::kPlanted, params.experiment)));
     ++counts.added;
     progress.advance(1);
   }

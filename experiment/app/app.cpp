@@ -128,7 +128,7 @@ void print_outcome(const Workplace& work, const Seat& seat) {
 // Empty if the window was closed, or the participant declined.
 std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool asks_setup) {
   if (asks_setup && !ask_setup(window, gui, work)) return std::nullopt;
-  if (work.goes_on) return take_seat(work, {});
+  if (work.goes_on || work.inputs.kind != SubjectKind::kPerson) return take_seat(work, {});
   const Intake intake = ask_intake(window, gui, work);
   if (intake.step == IntakeStep::kDone) return take_seat(work, find_fields(intake, work.inputs.protocol));
   if (intake.step == IntakeStep::kDeclined) {
@@ -141,11 +141,30 @@ std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool a
   return std::nullopt;
 }
 
+std::optional<PlantedPilot> make_pilot(const AppParams& params, const Workplace& work, const Seat& seat) {
+  if (!params.planted_seed) return std::nullopt;
+  const SessionRow& row = seat.open.row;
+  return PlantedPilot{load_truth(work.folder().truth(), work.inputs.study),
+                      {row.seed, row.experiment, row.subject_index},
+                      params.pace};
+}
+
+// The next planted subject of this seed, as the headless program would call it.
+std::string name_planted_subject(const AppParams& params) {
+  const StudyFolder folder{params.study_folder};
+  std::int64_t index = 0;
+  if (std::filesystem::exists(folder.responses()))
+    index = TrialLog::load_snapshot(folder.responses())
+                .find_free_index(SubjectKind::kPlanted, *params.experiment);
+  return name_planted(*params.planted_seed, index);
+}
+
 }  // namespace
 
 int run_app(const AppParams& given) {
   AppParams params = given;
   if (params.participant == "new") params.participant = draw_free_code(params.study_folder);
+  if (params.planted_seed && params.participant.empty()) params.participant = name_planted_subject(params);
   const Display display(params.monitor);
   const auto window = open_window(params, display);
   Gui gui(*window, static_cast<float>(params.text_scale));
@@ -157,7 +176,7 @@ int run_app(const AppParams& given) {
   try {
     seat = come_in(*window, gui, *work, is_asked || params.asks_setup);
     if (!seat) return kExitOk;
-    SessionWindow(*window, gui, *work, *seat).run();
+    SessionWindow(*window, gui, *work, *seat, make_pilot(params, *work, *seat)).run();
   } catch (const std::exception& error) {
     show_stop(*window, gui, work->texts, error.what());
     throw;

@@ -1,6 +1,7 @@
 // The window: the same sessions as simulated subjects take, shown to a person.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -13,12 +14,14 @@ namespace equilux {
 struct AppParams {
   std::filesystem::path study_folder;
   std::optional<Experiment> experiment;
-  std::string participant;  ///< code; "new" draws one
-  std::string monitor;      ///< name; empty: the primary one
-  bool windowed = false;    ///< a window of the layout's size in place of the full screen
-  double diagonal_m = 0;    ///< of the visible screen; 0: as the system reports it
-  bool asks_setup = false;  ///< the set-up screen is shown also where nothing else is asked
-  double text_scale = 1;    ///< of all text
+  std::string participant;                    ///< code; "new" draws one
+  std::string monitor;                        ///< name; empty: the primary one
+  bool windowed = false;                      ///< a window of the layout's size in place of the full screen
+  double diagonal_m = 0;                      ///< of the visible screen; 0: as the system reports it
+  bool asks_setup = false;                    ///< the set-up screen is shown also where nothing else is asked
+  double text_scale = 1;                      ///< of all text
+  std::optional<std::uint64_t> planted_seed;  ///< a planted subject answers in a person's place
+  double pace = 1;                            ///< of its response times; 0: at once
 };
 
 /// Runs until the session is over or the window is closed. Gives the exit code. errors: InputError,

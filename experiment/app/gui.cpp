@@ -137,8 +137,8 @@ void Gui::forward(const InputEvent& event) {
 
 void Gui::leave_field() { ImGui::ClearActiveID(); }
 
-// ImGui 1.86 looks at keys once a frame, so that it would miss a Tab that goes down and up between two; a Space too,
-// where it presses a button and is no text.
+// ImGui 1.86 looks at keys once a frame, so that it would miss a Tab that goes down and up between two; a
+// Space too, where it presses a button and is no text.
 void Gui::begin_frame() {
   while (!events_.empty()) {
     const InputEvent event = events_.front();

@@ -11,6 +11,7 @@ namespace equilux {
 namespace {
 
 constexpr double kPatienceS = 0.1;  // between two looks at the clock when nothing happens
+constexpr double kPilotPatienceS = 0.002;
 // A pair that takes longer from its drawing to the screen is noted: two frames, and never less than this,
 // which a screen that does not wait for its frames may need.
 constexpr double kSlowFrames = 2, kSlowNs = 50e6;
@@ -62,17 +63,19 @@ std::vector<std::string> summarise(const Session& session, const SessionProtocol
   return lines;
 }
 
-SessionWindow::SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat)
-    : window_(&window), gui_(&gui), work_(&work), seat_(&seat), input_(work.layout) {}
+SessionWindow::SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat,
+                             const std::optional<PlantedPilot>& pilot)
+    : window_(&window), gui_(&gui), work_(&work), seat_(&seat), pilot_(pilot), input_(work.layout) {}
 
 void SessionWindow::run() {
   window_->take_events();
   window_->take_changes();
   while (!is_left_) {
     draw();
-    window_->wait(gui_->has_events() ? 0 : kPatienceS);
+    window_->wait(gui_->has_events() ? 0 : pilot_ ? kPilotPatienceS : kPatienceS);
     note_changes();
     read_input();
+    if (pilot_) fly();
     if (is_left_) return;
     if (const auto pause = input_.find_pause(read_clock_ns())) take(*pause);
     if (window_->is_closing()) {
@@ -83,9 +86,13 @@ void SessionWindow::run() {
 }
 
 void SessionWindow::take(const SessionEvent& event) {
+  const auto* answer = std::get_if<AnswerEvent>(&event);
+  answered_ns_ = answer ? std::optional(read_clock_ns()) : std::nullopt;
   const Screen before = session().screen;
   for (const SessionEffect& effect : advance(session(), event)) carry_out(effect);
-  if (session().screen != before) input_.open_page(read_clock_ns());
+  if (session().screen == before) return;
+  input_.open_page(read_clock_ns());
+  gui_->skip({});  // what led here presses nothing on the next page
 }
 
 void SessionWindow::carry_out(const SessionEffect& effect) {
@@ -104,6 +111,7 @@ void SessionWindow::show(int trial) {
   const std::int64_t begin_ns = read_clock_ns();
   draw_trial();
   const std::int64_t onset_ns = read_clock_ns();
+  if (answered_ns_) seat_->latencies_ns.push_back(onset_ns - *answered_ns_);
   ignore_early_input();
   take(ShownEvent{trial, onset_ns});
   input_.open(onset_ns);
@@ -124,6 +132,26 @@ void SessionWindow::load_ahead(int trial) {
   }
   const TrialRow& row = session().trials.at(static_cast<std::size_t>(trial));
   next_ = LoadedTrial{trial, load_trial_pictures(work_->folder(), work_->manifest, row)};
+}
+
+// The planted subject in the person's place.
+void SessionWindow::fly() {
+  if (is_over()) {
+    is_left_ = true;
+    return;
+  }
+  if (session().screen == Screen::kPause) return;
+  const std::int64_t now_ns = read_clock_ns();
+  if (session().screen != Screen::kTrial) {
+    take(ContinueEvent{now_ns});
+    return;
+  }
+  const TrialRow& trial = session().trials.at(static_cast<std::size_t>(session().current));
+  const auto response_ns = static_cast<double>(draw_planted_response_time_ns(pilot_->subject, trial.number));
+  if (!session().onset_ns || static_cast<double>(now_ns - *session().onset_ns) < pilot_->pace * response_ns)
+    return;
+  const Side side = choose_planted_side(pilot_->truth, pilot_->subject, trial);
+  take(AnswerEvent{side, std::max(now_ns, *session().onset_ns + 1)});
 }
 
 // What was pressed before the pair stood on the screen is known only as being down.

@@ -10,12 +10,21 @@
 #include "experiment/app/pictures.h"
 #include "experiment/app/screens.h"
 #include "experiment/app/workplace.h"
+#include "experiment/planted.h"
 
 namespace equilux {
 
+/// A planted subject that takes the person's place in front of the window.
+struct PlantedPilot {
+  Truth truth;
+  PlantedSubject subject;
+  double pace = 1;  ///< of the planted response times; 0 answers at once
+};
+
 class SessionWindow {
  public:
-  SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat);
+  SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat,
+                const std::optional<PlantedPilot>& pilot = {});
 
   /// Until the last screen is left or the window is closed. errors: StoreError, InputError; then nothing more
   /// is shown and the log holds all that was answered.
@@ -41,6 +50,7 @@ class SessionWindow {
   void read_input();
   void read_pause_key(const InputEvent& event);
   void note_changes();
+  void fly();
   void ignore_early_input();
   void draw();
   void draw_pair(const std::string& line, bool shows_progress);
@@ -58,6 +68,8 @@ class SessionWindow {
   Gui* gui_;
   const Workplace* work_;
   Seat* seat_;
+  std::optional<PlantedPilot> pilot_;
+  std::optional<std::int64_t> answered_ns_;  ///< while the answer is being taken
   SubjectInput input_;
   std::optional<LoadedTrial> shown_;
   std::optional<LoadedTrial> next_;

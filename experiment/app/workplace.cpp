@@ -28,7 +28,8 @@ SessionRequest make_request(const AppParams& params) {
   SessionRequest request;
   request.experiment = *params.experiment;
   request.participant = params.participant;
-  request.seed = draw_seed();
+  request.kind = params.planted_seed ? SubjectKind::kPlanted : SubjectKind::kPerson;
+  request.seed = params.planted_seed ? *params.planted_seed : draw_seed();
   return request;
 }
 

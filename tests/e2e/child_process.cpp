@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fcntl.h>
+#include <fstream>
 #include <stdexcept>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -95,6 +96,15 @@ double ChildProcess::read_cpu_seconds() const {
     throw std::runtime_error("clock_getcpuclockid");
   }
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// Anonymous pages of /proc/PID/status, in kB there.
+std::size_t ChildProcess::read_memory_bytes() const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("RssAnon:")) return std::stoull(line.substr(8)) * 1024;
+  }
+  throw std::runtime_error("/proc/PID/status");
 }
 
 bool ChildProcess::is_running() {

@@ -34,6 +34,8 @@ class ChildProcess {
   bool is_running();
   /// Processor time that it has used, all threads. units: s
   double read_cpu_seconds() const;
+  /// Memory that is its own and in use now.
+  std::size_t read_memory_bytes() const;
   /// Exit code, 128 + signal, or nothing if it does not end in time.
   std::optional<int> wait();
   /// What it has written to standard output and standard error.
