@@ -11,6 +11,7 @@
 #include "experiment/status.h"
 #ifdef EQUILUX_WINDOW
 #include "experiment/app/app.h"
+#include "experiment/app/browser.h"
 #endif
 
 namespace equilux {
@@ -36,6 +37,12 @@ struct RunOptions {
   double text_scale = 1;
   std::optional<std::int64_t> planted_seed;
   double pace = 1;
+};
+
+struct BrowseOptions {
+  std::string folder;
+  std::string study;
+  std::string monitor;
 };
 
 void print_acknowledgement(std::int64_t session, int trial) {
@@ -73,7 +80,15 @@ int run(const RunOptions& options) {
   params.pace = options.pace;
   return run_app(params);
 }
+
+int browse(const BrowseOptions& options) {
+  return run_browser({options.folder, options.study, options.monitor});
+}
 #else
+int browse(const BrowseOptions&) {
+  throw InputError("browse", "", "a build with a window (EQUILUX_WINDOW=ON)", "a build without one");
+}
+
 int run(const RunOptions&) {
   throw InputError("run", "", "a build with a window (EQUILUX_WINDOW=ON)", "a build without one");
 }
@@ -130,6 +145,17 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->footer("Example: equilux-session run studies/pocket --experiment artifact --participant P01");
 }
 
+void add_browse(CLI::App& app, BrowseOptions& options) {
+  CLI::App* command = app.add_subcommand("browse", "Look at a set, move windows, render what is missing");
+  command->add_option("folder", options.folder, "Study folder")->required()->type_name("DIR");
+  command->add_option("--study", options.study, "From which missing pictures are rendered")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile);
+  command->add_option("--monitor", options.monitor, "Name of the monitor; the primary one if not given")
+      ->type_name("NAME");
+  command->footer("Example: equilux-session browse studies/pocket --study protocols/pocket.json");
+}
+
 void add_status(CLI::App& app, std::string& folder) {
   CLI::App* command = app.add_subcommand("status", "Who has answered how much");
   command->add_option("folder", folder, "Study folder")->required()->type_name("DIR");
@@ -143,9 +169,11 @@ int run_command_line(int argc, char** argv) {
   app.footer("Example: equilux-session status studies/pocket");
   SimulateOptions simulate_options;
   RunOptions run_options;
+  BrowseOptions browse_options;
   std::string status_folder;
   add_simulate(app, simulate_options);
   add_run(app, run_options);
+  add_browse(app, browse_options);
   add_status(app, status_folder);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails a write, as a full disk does
   try {
@@ -155,6 +183,7 @@ int run_command_line(int argc, char** argv) {
   }
   if (app.got_subcommand("simulate")) return simulate(simulate_options);
   if (app.got_subcommand("run")) return run(run_options);
+  if (app.got_subcommand("browse")) return browse(browse_options);
   fmt::print("{}", format_status(StudyFolder{status_folder}));
   return kExitOk;
 }

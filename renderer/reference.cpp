@@ -83,17 +83,28 @@ HdrImage show_look(const TracedLayers& pilot, const TracedLayer& look, const Pat
   return image;
 }
 
-// What the room's paths are to be multiplied by, by the mean displayed error of those pixels.
-double find_scale(const HdrImage& reference, const TracedLayer& look, const PathMap& map,
-                  const HdrImage& coverage, const ReferenceParams& params) {
-  const ToneCurve tone = make_tone_curve(reference, coverage, params.tone);
-  const std::vector<double> noise = measure_pixel_noise(reference, look.standard_error, tone);
-  double sum = 0, pixels = 0;
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (map[i] > 0) sum += noise[i], ++pixels;
+std::uint32_t scale_paths(std::uint32_t paths, double scale) {
+  return static_cast<std::uint32_t>(std::max(1L, std::lround(scale * paths)));
+}
+
+// What the room's paths are to be multiplied by, so that the mean displayed error of those pixels becomes
+// what is asked; paths are whole numbers, and few where much error is allowed.
+double find_scale(const std::vector<double>& noise, const PathMap& map, double target) {
+  const auto mean_after = [&](double scale) {
+    double sum = 0, pixels = 0;
+    for (std::size_t i = 0; i < map.size(); ++i) {
+      if (map[i] == 0) continue;
+      sum += noise[i] * std::sqrt(static_cast<double>(map[i]) / scale_paths(map[i], scale));
+      ++pixels;
+    }
+    return sum / pixels;
+  };
+  double low = kLeastScale, high = kMostScale;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = (low + high) / 2;
+    (mean_after(middle) > target ? low : high) = middle;
   }
-  const double miss = sum / pixels / (kMarginOfRoom * params.target.outside_mean);
-  return std::clamp(miss * miss, kLeastScale, kMostScale);
+  return high;
 }
 
 double count_background(const Primary& primary, const PathMap& map) {
@@ -159,10 +170,12 @@ void look_again(const World& world, const Primary& primary, const TracedLayers& 
                    {some, make_no_paths(map), make_no_paths(map)}, params.seed,
                    params.background_stream_name + ".second-pilot", params.measures, progress.advance)
           .background;
-  const double scale = find_scale(show_look(pilot, look, some, stride), look, some, coverage, params);
+  const HdrImage shown = show_look(pilot, look, some, stride);
+  const std::vector<double> noise =
+      measure_pixel_noise(shown, look.standard_error, make_tone_curve(shown, coverage, params.tone));
+  const double scale = find_scale(noise, some, kMarginOfRoom * params.target.outside_mean);
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (coverage.values[i] == 0)
-      map[i] = static_cast<std::uint32_t>(std::max(1L, std::lround(scale * map[i])));
+    if (coverage.values[i] == 0) map[i] = scale_paths(map[i], scale);
   }
 }
 
