@@ -115,6 +115,17 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
   return std::nullopt;
 }
 
+void print_latencies(std::vector<std::int64_t> latencies_ns) {
+  if (latencies_ns.empty()) return;
+  std::sort(latencies_ns.begin(), latencies_ns.end());
+  const auto at = [&](double share) {
+    const auto place = static_cast<std::size_t>(share * static_cast<double>(latencies_ns.size() - 1));
+    return 1e-6 * static_cast<double>(latencies_ns[place]);
+  };
+  fmt::print("  from an answer to the next pair on the screen: median {:.1f} ms, 99 % within {:.1f} ms\n",
+             at(.5), at(.99));
+}
+
 void print_outcome(const Workplace& work, const Seat& seat) {
   const Session& session = seat.open.session;
   const std::string name = format_experiment(session.experiment), code = seat.open.row.participant;
@@ -123,6 +134,7 @@ void print_outcome(const Workplace& work, const Seat& seat) {
                                                : "was ended early; the same command goes on with it");
   for (const std::string& line : summarise(session, work.inputs.protocol, seat.notes))
     fmt::print("  {}\n", line);
+  print_latencies(seat.latencies_ns);
 }
 
 // Empty if the window was closed, or the participant declined.

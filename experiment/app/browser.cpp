@@ -149,6 +149,7 @@ class Browser {
   void move(std::size_t& at, int steps, std::size_t count) {
     const auto last = static_cast<int>(count) - 1;
     at = static_cast<std::size_t>(std::clamp(static_cast<int>(at) + steps, 0, last));
+    follows_ = true;
     shown_.clear();
   }
 
@@ -363,6 +364,10 @@ class Browser {
         describe_count(view_.artifact, here, "a") + "  " + describe_count(view_.material, here, "m");
     list->AddText(nullptr, 16, ImVec2(corner.x, end.y + 1), IM_COL32_BLACK, text.c_str());
     ImGui::SetCursorScreenPos(corner);
+    if (follows_ && count == place_.count && level == place_.level) {
+      ImGui::SetScrollHereY();
+      follows_ = false;
+    }
     ImGui::PushID(static_cast<int>(number));
     if (ImGui::InvisibleButton("cell", size)) {
       place_.count = count;
@@ -426,6 +431,7 @@ class Browser {
   BackgroundRender render_;
   RenderState render_state_ = RenderState::kIdle;
   std::string message_;
+  bool follows_ = false;  ///< the chosen cell is to be scrolled to
   bool shows_picture_ = false, is_flipped_ = false, shows_difference_ = false, is_left_ = false;
 };
 
