@@ -11,6 +11,7 @@ namespace equilux {
 namespace {
 
 constexpr int kBusyTimeoutMs = 5000;
+constexpr int kCloseTimeoutMs = 500;  ///< who holds the log longer empties the WAL at its own end
 
 namespace fs = std::filesystem;
 
@@ -73,6 +74,7 @@ std::string explain_code(int code) {
 }  // namespace
 
 void Database::Close::operator()(sqlite3* handle) const {
+  sqlite3_busy_timeout(handle, kCloseTimeoutMs);
   if (checkpoints) sqlite3_wal_checkpoint_v2(handle, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
   sqlite3_close(handle);
 }
