@@ -102,7 +102,6 @@ void confirm(const std::string& what, const std::string& word) {
 
 int withdraw(const WithdrawOptions& options) {
   const StudyFolder folder{options.folder};
-  load_folder_study(folder);
   const Withdrawal withdrawal = plan_withdrawal(folder.responses(), options.code);
   fmt::print("{}", format_withdrawal(withdrawal));
   std::fflush(stdout);

@@ -92,7 +92,8 @@ class Planner {
       same->session = session;
       same->source = source;
     } else {
-      conflict(session, source, fmt::format("the same session has other answers in {}", same->source));
+      conflict(session, source,
+               fmt::format("the same session has other answers or events in {}", same->source));
     }
   }
 

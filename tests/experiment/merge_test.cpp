@@ -170,8 +170,8 @@ TEST_F(Merge, RefusesTheSameSessionWithOtherAnswers) {
     answer(other, 1, 2, 3, Side::kRight);
   }
   EXPECT_THAT(conflict_with({first_, second_}),
-              AllOf(HasSubstr("second.sqlite: B, person, artifact, index 1"), HasSubstr("other answers in"),
-                    HasSubstr("first.sqlite")));
+              AllOf(HasSubstr("second.sqlite: B, person, artifact, index 1"),
+                    HasSubstr("other answers or events in"), HasSubstr("first.sqlite")));
 }
 
 TEST_F(Merge, RefusesAParticipantWhoFinishedAtBothStations) {
