@@ -83,7 +83,7 @@ int export_log(const ExportOptions& options) {
   const std::string out = find_export_folder(options.out).string();
   record_export(folder.responses(), out);
   save_export(out, files, options.force);
-  fmt::print("{} sessions of kind {} in {}, {} files\n", records.size(), options.kind, out, files.size());
+  fmt::print("{}: sessions of kind {}: {}, files: {}\n", out, options.kind, records.size(), files.size());
   return kExitOk;
 }
 
@@ -127,7 +127,10 @@ int merge(const MergeOptions& options) {
     confirm(fmt::format("{} withdrew at another station and will be erased here.\n",
                         fmt::join(plan.erased, ", ")),
             "erase");
-  fmt::print("{}", format_merge(merge_logs(folder.responses(), others, study.digest)));
+  const MergePlan done = merge_logs(folder.responses(), others, study.digest);
+  fmt::print("{}", format_merge(done));
+  if (!done.erased.empty())
+    fmt::print("{}", format_exports(TrialLog::load_snapshot(folder.responses()).load_exports()));
   return kExitOk;
 }
 

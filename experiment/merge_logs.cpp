@@ -77,7 +77,7 @@ MergePlan plan_merge(const fs::path& log, const std::vector<fs::path>& others,
 void check_no_conflict(const MergePlan& plan, const fs::path& log) {
   if (plan.conflicts.empty()) return;
   throw InputError(log.string(), "merge", "logs that agree",
-                   fmt::format("{} conflicts; nothing was written:\n  {}", plan.conflicts.size(),
+                   fmt::format("conflicts, {}; nothing was written:\n  {}", plan.conflicts.size(),
                                fmt::join(plan.conflicts, "\n  ")));
 }
 
@@ -100,10 +100,11 @@ MergePlan merge_logs(const fs::path& log, const std::vector<fs::path>& others,
 }
 
 std::string format_merge(const MergePlan& plan) {
-  std::string text = fmt::format("{} sessions added, {} further along than here, {} known already",
-                                 plan.added.size(), plan.replaced.size(), plan.kept);
-  text += fmt::format("; {} withdrawals taken over, {} participants erased here.\n", plan.tombstones.size(),
-                      plan.erased.size());
+  std::string text = fmt::format(
+      "sessions: {} added, {} further along than here, {} known already; withdrawals: {} taken over, {} "
+      "erased"
+      " here\n",
+      plan.added.size(), plan.replaced.size(), plan.kept, plan.tombstones.size(), plan.erased.size());
   for (const std::string& remark : plan.remarks) text += fmt::format("remark: {}\n", remark);
   return text;
 }

@@ -70,6 +70,8 @@ class PartFolder {
     if (fs::exists(path_) && !fs::is_empty(path_)) load_listed_files(path_);  // of an interrupted export
     fs::remove_all(path_);
     make_folder(path_);
+    std::error_code ignored;  // where there are no permissions
+    fs::permissions(path_, fs::perms::owner_all, ignored);
   }
   ~PartFolder() {
     std::error_code ignored;

@@ -100,10 +100,13 @@ std::string format_withdrawal(const Withdrawal& withdrawal) {
                                        withdrawal.code, withdrawal.sessions.size(), withdrawal.answers);
   for (const SessionRow& session : withdrawal.sessions) text += format_session(session);
   for (const fs::path& copy : withdrawal.copies) text += fmt::format("  also in {}\n", copy.string());
-  if (withdrawal.exports.empty()) return text;
-  text += "Earlier exports may hold these answers; they are yours to delete or to export again:\n";
-  for (const ExportRow& row : withdrawal.exports)
-    text += fmt::format("  {}, of {}\n", row.path, row.made_utc);
+  return text + format_exports(withdrawal.exports);
+}
+
+std::string format_exports(const std::vector<ExportRow>& exports) {
+  if (exports.empty()) return "";
+  std::string text = "Earlier exports may hold these answers; they are yours to delete or to export again:\n";
+  for (const ExportRow& row : exports) text += fmt::format("  {}, of {}\n", row.path, row.made_utc);
   return text;
 }
 

@@ -29,6 +29,9 @@ Withdrawal plan_withdrawal(const std::filesystem::path& log, const std::string& 
 /// In words for the experimenter, a line each.
 std::string format_withdrawal(const Withdrawal& withdrawal);
 
+/// Which earlier exports may hold the answers of somebody who withdrew; empty where there was none.
+std::string format_exports(const std::vector<ExportRow>& exports);
+
 /// Erases the participant with all sessions, fields, trials and events, leaves a tombstone, and writes log
 /// and kept copies anew, so that no byte of them is left. Killed at any moment it has erased all from the log
 /// or nothing; once more finishes it. errors: StoreError, also while another program has the log open

@@ -329,6 +329,11 @@ TEST_F(Export, OfAnInterruptedOneDoesNotHinderTheNext) {
   EXPECT_FALSE(fs::exists(out_.string() + ".part"));
 }
 
+TEST_F(Export, IsForItsOwnersEyesAlone) {
+  ASSERT_EQ(run({}).exit_code, 0);
+  EXPECT_EQ(fs::status(out_).permissions(), fs::perms::owner_all);
+}
+
 TEST_F(Export, IsRecordedInTheLog) {
   ASSERT_EQ(run({}).exit_code, 0);
   ASSERT_EQ(run({"--force"}).exit_code, 0);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "experiment/merge_logs.h"
 #include "experiment/withdraw.h"
 #include "tests/experiment/child.h"
@@ -55,9 +56,27 @@ class Merge : public ::testing::Test {
     return message;
   }
   std::string value(const std::string& sql) const { return RawDatabase(ours_).value(sql); }
-  // What the merged log says, whatever its row numbers are.
-  Rows load_meaning() const {
-    return RawDatabase(ours_).query(
+  // A station's log, and copies of it at two moments before its end.
+  static void write_station(const fs::path& log, std::uint64_t station, RandomStream& random,
+                            std::vector<fs::path>& logs) {
+    const auto sessions = 1 + random.next_below(3);
+    for (std::uint64_t session = 0; session < sessions; ++session) {
+      const int early = static_cast<int>(random.next_below(kTrials)), late = early + 1;
+      const auto index = static_cast<std::int64_t>(10 * station + session);
+      const auto id = add(log, fmt::format("P{}", index), index, early);
+      if (session < 2) {
+        logs.push_back(fmt::format("{}.{}", log.string(), session));
+        fs::copy(log, logs.back());
+      }
+      TrialLog open(log);
+      if (random.next_below(2) == 0) answer(open, id, early, late);
+    }
+    logs.push_back(log);
+  }
+  // What a log says, whatever its row numbers are.
+  Rows load_meaning() const { return load_meaning(ours_); }
+  static Rows load_meaning(const fs::path& log) {
+    return RawDatabase(log).query(
         "SELECT uuid, station, code, subject_index, complete, trial.trial, answer, response_time_ns, "
         "answered_utc"
         " FROM session JOIN participant ON participant.id = participant JOIN trial ON trial.session = "
@@ -160,6 +179,35 @@ TEST_F(Merge, TakesTheLongestOfThreeCopies) {
   EXPECT_EQ(value("SELECT count(*) FROM trial WHERE answer IS NOT NULL"), "3");
 }
 
+// Seed 73: 25 rounds of 1 to 3 stations with 1 to 3 sessions each, of 0 to 4 answers; every log also as it
+// was at two earlier moments. Merged at once or one by one, in any order, they give what the stations have at
+// the end.
+TEST_F(Merge, OfCopiesFromAnyMomentInAnyOrderGivesWhatTheStationsHave) {
+  RandomStream random(73, "merge", 0);
+  for (int round = 0; round < 25; ++round) {
+    for (const auto& entry : fs::directory_iterator(folder_.path())) fs::remove(entry);
+    Rows expected;
+    std::vector<fs::path> logs;
+    const auto stations = 1 + random.next_below(3);
+    for (std::uint64_t station = 0; station < stations; ++station) {
+      const fs::path log = folder_.path() / fmt::format("station{}.sqlite", station);
+      write_station(log, station, random, logs);
+      const Rows meaning = load_meaning(log);
+      expected.insert(expected.end(), meaning.begin(), meaning.end());
+    }
+    for (std::size_t i = logs.size() - 1; i > 0; --i) std::swap(logs[i], logs[random.next_below(i + 1)]);
+    if (random.next_below(2) == 0) {
+      merge(logs);
+    } else {
+      for (const fs::path& log : logs) merge({log});
+    }
+    std::sort(expected.begin(), expected.end());
+    Rows merged = load_meaning(ours_);
+    std::sort(merged.begin(), merged.end());
+    ASSERT_EQ(merged, expected) << "round " << round;
+  }
+}
+
 TEST_F(Merge, RefusesTheSameSessionWithOtherAnswers) {
   add(first_, "B", 1, 2);
   merge({first_});
@@ -208,7 +256,7 @@ TEST_F(Merge, RefusesSessionsThatWereMadeFromOtherFiles) {
     SessionRow row = make_fake_session();
     row.digests.*member = "other";
     add(first_, "B", 1, kTrials, row);
-    EXPECT_THAT(conflict_with({first_}), AllOf(HasSubstr("1 conflicts"), HasSubstr(words)));
+    EXPECT_THAT(conflict_with({first_}), AllOf(HasSubstr("conflicts, 1;"), HasSubstr(words)));
   }
 }
 
@@ -232,7 +280,7 @@ TEST_F(Merge, NamesAllConflictsAtOnceAndTakesNothing) {
   row.digests.windows = "other";
   add(second_, "B", 4, kTrials, row);
   const std::string message = conflict_with({first_, second_});
-  EXPECT_THAT(message, AllOf(HasSubstr("3 conflicts"), HasSubstr("A, person"), HasSubstr("B, person"),
+  EXPECT_THAT(message, AllOf(HasSubstr("conflicts, 3;"), HasSubstr("A, person"), HasSubstr("B, person"),
                              HasSubstr("windows.json"), Not(HasSubstr("C, person"))));
 }
 
@@ -319,22 +367,24 @@ TEST_F(MergeProgram, TakesLogsOrStudyFoldersAndSaysWhatItDid) {
   run_session_program({"simulate", other_.root.string(), "--experiment", "artifact", "--subjects", "2"});
   const ChildResult first = run_session_program({"merge", folder_.root.string(), other_.root.string()});
   EXPECT_EQ(first.exit_code, 0) << first.err;
-  EXPECT_THAT(first.out, HasSubstr("2 sessions added"));
+  EXPECT_THAT(first.out, HasSubstr("sessions: 2 added"));
   const ChildResult second =
       run_session_program({"merge", folder_.root.string(), other_.responses().string()});
-  EXPECT_THAT(second.out, HasSubstr("0 sessions added, 0 further along than here, 2 known already"));
+  EXPECT_THAT(second.out, HasSubstr("sessions: 0 added, 0 further along than here, 2 known already"));
 }
 
 TEST_F(MergeProgram, AsksBeforeItErasesWhoWithdrewElsewhere) {
   run_session_program({"simulate", other_.root.string(), "--experiment", "artifact", "--subjects", "2"});
   run_session_program({"merge", folder_.root.string(), other_.root.string()});
   run_session_program({"withdraw", other_.root.string(), "planted-1-1", "--yes"});
+  TrialLog(folder_.responses()).append_export("/somewhere/answers");
   const std::string words = kSessionProgram + " merge " + folder_.root.string() + " " + other_.root.string();
   const ChildResult asked = Child("/bin/sh", {"-c", words + " < /dev/null"}).wait();
   EXPECT_EQ(asked.exit_code, 1);
   EXPECT_THAT(asked.err, HasSubstr("nothing was erased"));
   EXPECT_EQ(TrialLog(folder_.responses()).load_sessions().size(), 2u);
-  EXPECT_THAT(Child("/bin/sh", {"-c", words + " --yes"}).wait().out, HasSubstr("1 participants erased here"));
+  const ChildResult done = Child("/bin/sh", {"-c", words + " --yes"}).wait();
+  EXPECT_THAT(done.out, AllOf(HasSubstr("1 taken over, 1 erased here"), HasSubstr("/somewhere/answers")));
   EXPECT_EQ(TrialLog(folder_.responses()).load_sessions().size(), 1u);
 }
 
