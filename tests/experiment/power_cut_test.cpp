@@ -179,6 +179,40 @@ TEST_F(PowerCut, LosesNoPromisedAnswerAroundACheckpointInMidSession) {
   EXPECT_THAT(result.breaches, IsEmpty());
 }
 
+// Counts how often SQLite's own VFS opens a folder, which it does to sync it.
+class FolderSyncs {
+ public:
+  FolderSyncs() : vfs_(sqlite3_vfs_find(nullptr)) {
+    original_ = reinterpret_cast<OpenFolder*>(vfs_->xGetSystemCall(vfs_, kName));
+    count_ = 0;
+    vfs_->xSetSystemCall(vfs_, kName, reinterpret_cast<sqlite3_syscall_ptr>(&open));
+  }
+  ~FolderSyncs() { vfs_->xSetSystemCall(vfs_, kName, nullptr); }
+  std::size_t count() const { return count_; }
+
+ private:
+  using OpenFolder = int(const char*, int*);
+  static constexpr const char* kName = "openDirectory";
+  static int open(const char* file, int* descriptor) {
+    ++count_;
+    return original_(file, descriptor);
+  }
+  inline static OpenFolder* original_ = nullptr;
+  inline static std::size_t count_ = 0;
+  sqlite3_vfs* vfs_;
+};
+
+// What the crashed disk takes for granted of SQLite: the answers in a new WAL would else be lost with its
+// name.
+TEST_F(PowerCut, FoldersAreSyncedAsOftenAsTheRecordingSays) {
+  const FolderSyncs syncs;
+  const auto steps = record_session(12);
+  const auto said =
+      std::count_if(steps.begin(), steps.end(), [](const DiskStep& step) { return step.syncs_folder; });
+  EXPECT_GE(said, 3) << "a journal and two WALs";
+  EXPECT_EQ(syncs.count(), static_cast<std::size_t>(said));
+}
+
 // Mutants: SQLite in its faster settings. The check must see answers lost, where kill -9 would lose none.
 TEST_F(PowerCut, IsSeenByItsCheckWhenTheLogIsNotFullySynced) {
   for (const char* pragma : {"synchronous = NORMAL", "synchronous = OFF"}) {
