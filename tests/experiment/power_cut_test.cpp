@@ -9,6 +9,7 @@
 #include "tests/experiment/crashed_disk.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
+#include "tests/experiment/old_log.h"
 #include "tests/experiment/recording_vfs.h"
 
 namespace equilux {
@@ -201,6 +202,31 @@ class FolderSyncs {
   inline static std::size_t count_ = 0;
   sqlite3_vfs* vfs_;
 };
+
+// Seed 71. A log of schema 1 with three answers is brought up; a copy is kept first, and may be left
+// unfinished.
+TEST_F(PowerCut, LeavesALogOfAnOlderSchemaOrTheNewOneWhole) {
+  make_old_log(path_);
+  CrashedDisk disk(live_.path());
+  std::vector<DiskStep> steps;
+  {
+    RecordingVfs recording;
+    TrialLog{path_};
+    steps = recording.steps();
+  }
+  ASSERT_GE(steps.size(), 50u);
+  RandomStream random(71, "power cut", 1);
+  for (std::size_t step = 0; step <= steps.size(); ++step) {
+    for (const Unsynced unsynced : {Unsynced::kLost, Unsynced::kKept, Unsynced::kTorn}) {
+      disk.leave(after_.path(), unsynced, random);
+      const TrialLog log(after_.path() / path_.filename());
+      ASSERT_EQ(log.load_sessions().size(), 2u) << step;
+      ASSERT_EQ(log.load_events(2).size(), 1u) << step;
+      ASSERT_TRUE(log.load_trials(1).at(1).answer) << step;
+    }
+    if (step < steps.size()) disk.take(steps[step]);
+  }
+}
 
 // What the crashed disk takes for granted of SQLite: the answers in a new WAL would else be lost with its
 // name.
