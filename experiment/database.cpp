@@ -1,6 +1,7 @@
 // SQLite's C interface behind three classes.
 #include "experiment/database.h"
 
+#include <cctype>
 #include <fmt/format.h>
 #include <sqlite3.h>
 
@@ -10,33 +11,84 @@ namespace equilux {
 namespace {
 
 constexpr int kBusyTimeoutMs = 5000;
+constexpr int kCloseTimeoutMs = 500;  ///< who holds the log longer empties the WAL at its own end
 
-int open_flags(OpenMode mode) {
-  switch (mode) {
-    case OpenMode::kRead:
-      return SQLITE_OPEN_READONLY;
-    case OpenMode::kWrite:
-      return SQLITE_OPEN_READWRITE;
-    default:
-      return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+namespace fs = std::filesystem;
+
+// How sqlite3_open_v2 is asked.
+struct Opening {
+  std::string file;
+  int flags = 0;
+  const char* vfs = nullptr;
+};
+
+// SQLite's form of a path to which parameters can be added. source: sqlite.org/uri.html
+std::string format_uri(const fs::path& path) {
+  std::string uri = "file:";
+  for (const char c : fs::absolute(path).string()) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '/' || c == '.' || c == '-';
+    uri += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
   }
+  return uri;
+}
+
+bool has_wal(const fs::path& path) {
+  std::error_code error;
+  const auto size = fs::file_size(path.string() + kWalSuffix, error);
+  return !error && size > 0;
+}
+
+// A WAL needs an index, and that a file, unless the connection is alone: then it is in memory.
+Opening plan_still(const fs::path& path) {
+  if (has_wal(path)) return {path.string(), SQLITE_OPEN_READONLY, "unix-none"};
+  return {format_uri(path) + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI};
+}
+
+Opening plan_opening(const fs::path& path, OpenMode mode) {
+  switch (mode) {
+    case OpenMode::kStill:
+      return plan_still(path);
+    case OpenMode::kRead:
+      return {path.string(), SQLITE_OPEN_READONLY};
+    case OpenMode::kCreate:
+      return {path.string(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE};
+    case OpenMode::kMemory:
+      return {":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE};
+    default:
+      return {path.string(), SQLITE_OPEN_READWRITE};
+  }
+}
+
+bool is_to_be_written(OpenMode mode) {
+  return mode == OpenMode::kWrite || mode == OpenMode::kAlone || mode == OpenMode::kCreate;
+}
+
+std::string explain_code(int code) {
+  if (code == SQLITE_BUSY) return "; another program has it open";
+  if (code == SQLITE_READONLY) return "; look at the permissions of the file and its folder";
+  if (code == SQLITE_IOERR || code == SQLITE_CANTOPEN)
+    return "; is the disk still there, and its folder writable?";
+  return "";
 }
 
 }  // namespace
 
 void Database::Close::operator()(sqlite3* handle) const {
-  sqlite3_wal_checkpoint_v2(handle, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  sqlite3_busy_timeout(handle, kCloseTimeoutMs);
+  if (checkpoints) sqlite3_wal_checkpoint_v2(handle, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
   sqlite3_close(handle);
 }
 
-Database::Database(const std::filesystem::path& path, OpenMode mode) : path_(path) {
+Database::Database(const std::filesystem::path& path, OpenMode mode)
+    : path_(path), handle_(nullptr, Close{is_to_be_written(mode)}) {
   sqlite3* handle = nullptr;
-  const std::string file = mode == OpenMode::kMemory ? ":memory:" : path.string();
-  const int code = sqlite3_open_v2(file.c_str(), &handle, open_flags(mode), nullptr);
+  const Opening opening = plan_opening(path, mode);
+  const int code = sqlite3_open_v2(opening.file.c_str(), &handle, opening.flags, opening.vfs);
   handle_.reset(handle);
   if (code != SQLITE_OK) fail("open");
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
+  if (mode == OpenMode::kStill || mode == OpenMode::kAlone) execute("PRAGMA locking_mode = EXCLUSIVE");
 }
 
 void Database::execute(const std::string& sql) const {
@@ -49,11 +101,17 @@ void Database::fail(std::string_view verb) const {
   if (!vouched_ && (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)) {
     throw InputError(name(), "", "a whole log of responses (SQLite)", message);
   }
-  fail_store(fmt::format("cannot {}: {}", verb, message));
+  fail_store(fmt::format("cannot {}: {}{}", verb, message, explain_code(code)));
 }
 
 void Database::fail_store(std::string_view what) const {
   throw StoreError(fmt::format("{}: {}", name(), what));
+}
+
+void Database::check_in_place() const {
+  int moved = 0;
+  sqlite3_file_control(handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  if (moved) fail_store("moved or removed while it was open; put its folder back and open it again");
 }
 
 int Database::count_changes() const { return sqlite3_changes(handle()); }
@@ -118,6 +176,7 @@ Transaction::~Transaction() {
 void Transaction::commit() {
   database_.execute("COMMIT");
   committed_ = true;
+  database_.check_in_place();
 }
 
 std::int64_t load_integer(const Database& database, std::string_view sql) {
@@ -136,6 +195,17 @@ void require_setting(const Database& database, const char* name, const char* val
   if (got != read_back) {
     database.fail_store(fmt::format("a log needs {} = {}, but here it stays {}", name, value, got));
   }
+}
+
+void rewrite_database(const Database& database) {
+  const auto empty_wal = [&] {
+    if (load_integer(database, "PRAGMA wal_checkpoint(TRUNCATE)") != 0)
+      database.fail_store("its WAL cannot be emptied; another program has it open");
+  };
+  empty_wal();
+  database.execute("PRAGMA temp_store = MEMORY");
+  database.execute("VACUUM");
+  empty_wal();
 }
 
 void copy_database(const Database& source, const Database& target) {

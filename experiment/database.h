@@ -17,13 +17,19 @@ namespace equilux {
 /// How a database is opened.
 enum class OpenMode {
   kRead,    ///< must exist; nothing is written
+  kStill,   ///< as kRead, where nothing can be made beside it and nobody is writing it: without locks
   kWrite,   ///< must exist
+  kAlone,   ///< as kWrite, while no other program has it open
   kCreate,  ///< made where there is none
   kMemory,  ///< of this process alone; the path is a name for messages
 };
 
-/// An open connection. Closing it checkpoints the WAL away, so that the file alone, copied after the close,
-/// is whole.
+/// SQLite's names for the files beside a database.
+inline constexpr const char* kWalSuffix = "-wal";
+inline constexpr const char* kWalIndexSuffix = "-shm";
+
+/// An open connection. Closing one that may write checkpoints the WAL away, so that the file alone, copied
+/// after the close, is whole.
 class Database {
  public:
   /// errors: StoreError
@@ -42,12 +48,16 @@ class Database {
   [[noreturn]] void fail(std::string_view verb) const;
   [[noreturn]] void fail_store(std::string_view what) const;
 
+  /// errors: StoreError if the file is no more what stands under its name: what is written now would be lost
+  void check_in_place() const;
+
   /// Rows that the last statement changed.
   int count_changes() const;
   std::int64_t last_row_id() const;
 
  private:
   struct Close {
+    bool checkpoints;  ///< those who write; a reader would wait for writers
     void operator()(sqlite3* handle) const;
   };
   std::filesystem::path path_;
@@ -121,6 +131,7 @@ class Transaction {
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
 
+  /// errors: StoreError where it is not kept for certain, also if the file was moved or removed meanwhile
   void commit();
 
  private:
@@ -134,6 +145,9 @@ std::int64_t load_integer(const Database& database, std::string_view sql);
 std::string read_setting(const Database& database, const std::string& name);
 /// Sets a PRAGMA. errors: StoreError where it reads back as something else
 void require_setting(const Database& database, const char* name, const char* value, const char* read_back);
+
+/// Writes the database anew, without what was deleted, and empties its WAL. errors: StoreError
+void rewrite_database(const Database& database);
 
 /// Copies all of `source`, as the last commit left it, a WAL that was left included, into `target`. errors:
 /// StoreError

@@ -24,7 +24,12 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kApplicationId = 0x45514C58;  // "EQLX"
 constexpr std::size_t kIdentityDigits = 32;
+constexpr const char* kPartSuffix = ".part";
 constexpr const char* kInMemory = ":memory:";  // SQLite's name for no file
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
 
 // Files of nobody: new ones, and those whose maker was killed before its first transaction.
 bool is_empty(const Database& database) {
@@ -83,7 +88,7 @@ void check_file_system(const Database& database) {
 // A session of schema 1 had no identity: it gets one from what it was, the same in every copy of its log.
 std::string find_old_identity(const Statement& row) {
   std::string text = "session of schema 1";
-  for (int column = 1; column <= 5; ++column) text += "\n" + row.text(column);
+  for (int column = 1; column <= 5; ++column) text.append("\n").append(row.text(column));
   return digest_text(text).substr(0, kIdentityDigits);
 }
 
@@ -150,12 +155,28 @@ fs::path name_kept_copy(const fs::path& path, std::int64_t version, int number) 
          fmt::format("{}.v{}{}{}", path.stem().string(), version, count, path.extension().string());
 }
 
+// Files named as name_kept_copy does, but for their end.
+std::vector<fs::path> find_beside(const fs::path& path, const std::string& end) {
+  const std::string begin = fmt::format("{}.v", path.stem().string());
+  std::vector<fs::path> found;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_of(path), ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() < begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end)) continue;
+    const std::string number = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    if (!number.empty() && number.find_first_not_of("0123456789-") == std::string::npos)
+      found.push_back(path.parent_path() / name);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 // Made whole under another name first; never over one that is there.
 void keep_copy(const Database& database) {
   int number = 1;
   while (fs::exists(name_kept_copy(database.path(), load_version(database), number))) ++number;
   const fs::path kept = name_kept_copy(database.path(), load_version(database), number);
-  const fs::path part = kept.string() + ".part";
+  const fs::path part = kept.string() + kPartSuffix;
   fs::remove(part);
   {
     const int file = ::open(part.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
@@ -202,6 +223,12 @@ void make_private(const fs::path& path) {
   if (file >= 0) ::close(file);
 }
 
+// A reader makes the WAL's index where there is none, if it can.
+OpenMode choose_reading(const fs::path& path) {
+  const bool can_write = ::faccessat(AT_FDCWD, folder_of(path).c_str(), W_OK, AT_EACCESS) == 0;
+  return can_write || fs::exists(path.string() + kWalIndexSuffix) ? OpenMode::kRead : OpenMode::kStill;
+}
+
 }  // namespace
 
 std::string draw_identity() {
@@ -220,10 +247,17 @@ Database open_log(const fs::path& path, bool create) {
   return database;
 }
 
+Database open_log_alone(const fs::path& path) {
+  check_exists(path, false);
+  Database database(path, OpenMode::kAlone);
+  prepare(database, false);
+  return database;
+}
+
 Database open_log_snapshot(const fs::path& path) {
   check_exists(path, false);
   Database database(path, OpenMode::kMemory);
-  copy_database(Database(path, OpenMode::kRead), database);
+  copy_database(Database(path, choose_reading(path)), database);
   if (is_empty(database)) throw InputError(database.name(), "", "a log of responses", "an empty file");
   check_is_log(database);
   check_is_whole(database);
@@ -234,12 +268,20 @@ Database open_log_snapshot(const fs::path& path) {
 }
 
 std::vector<fs::path> find_kept_copies(const fs::path& path) {
-  std::vector<fs::path> copies;
-  for (std::int64_t version = 1; version < kLogSchemaVersion; ++version) {
-    for (int number = 1; fs::exists(name_kept_copy(path, version, number)); ++number)
-      copies.push_back(name_kept_copy(path, version, number));
-  }
-  return copies;
+  return find_beside(path, path.extension().string());
+}
+
+Database open_kept_copy(const fs::path& path) {
+  check_exists(path, false);
+  Database database(path, OpenMode::kWrite);
+  check_is_log(database);
+  require_setting(database, "journal_mode", "DELETE", "delete");
+  database.vouch();
+  return database;
+}
+
+std::vector<fs::path> find_unfinished_copies(const fs::path& path) {
+  return find_beside(path, fmt::format("{}{}", path.extension().string(), kPartSuffix));
 }
 
 }  // namespace equilux

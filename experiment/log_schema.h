@@ -15,12 +15,23 @@ namespace equilux {
 /// work.
 Database open_log(const std::filesystem::path& path, bool create);
 
+/// The same for one that must be there, while no other program has it open. errors: as above; StoreError if
+/// one has
+Database open_log_alone(const std::filesystem::path& path);
+
 /// The log as its last commit left it, in memory, of this schema: nothing beside the file is touched, also
-/// where it is being written, its folder is read-only, or a WAL was left. errors: as open_log
+/// where it is being written, its folder is read-only, or a WAL was left (whose index a reader may
+/// make). errors: as open_log
 Database open_log_snapshot(const std::filesystem::path& path);
 
 /// Copies that open_log has kept beside a log before it brought it up to a newer schema, sorted.
 std::vector<std::filesystem::path> find_kept_copies(const std::filesystem::path& path);
+
+/// Opens one of them to be written, of whatever schema it is. errors: InputError if it is no log
+Database open_kept_copy(const std::filesystem::path& path);
+
+/// Copies that were being made when their maker was killed.
+std::vector<std::filesystem::path> find_unfinished_copies(const std::filesystem::path& path);
 
 /// 32 random hexadecimal digits, from the system's entropy.
 std::string draw_identity();

@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "base/program.h"
 #include "base/version.h"
+#include "experiment/log_commands.h"
 #include "experiment/simulate.h"
-#include "experiment/status.h"
 #ifdef EQUILUX_WINDOW
 #include "experiment/app/app.h"
 #include "experiment/app/browser.h"
@@ -156,12 +156,6 @@ void add_browse(CLI::App& app, BrowseOptions& options) {
   command->footer("Example: equilux-session browse studies/pocket --study protocols/pocket.json");
 }
 
-void add_status(CLI::App& app, std::string& folder) {
-  CLI::App* command = app.add_subcommand("status", "Who has answered how much");
-  command->add_option("folder", folder, "Study folder")->required()->type_name("DIR");
-  command->footer("Example: equilux-session status studies/pocket");
-}
-
 int run_command_line(int argc, char** argv) {
   CLI::App app("Runs subjects through the experiments of a study folder.", "equilux-session");
   app.set_version_flag("--version", std::string("equilux-session ") + kVersion);
@@ -170,11 +164,10 @@ int run_command_line(int argc, char** argv) {
   SimulateOptions simulate_options;
   RunOptions run_options;
   BrowseOptions browse_options;
-  std::string status_folder;
   add_simulate(app, simulate_options);
   add_run(app, run_options);
   add_browse(app, browse_options);
-  add_status(app, status_folder);
+  const LogCommands log_commands(app);
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on file size then fails a write, as a full disk does
   try {
     app.parse(argc, argv);
@@ -184,8 +177,7 @@ int run_command_line(int argc, char** argv) {
   if (app.got_subcommand("simulate")) return simulate(simulate_options);
   if (app.got_subcommand("run")) return run(run_options);
   if (app.got_subcommand("browse")) return browse(browse_options);
-  fmt::print("{}", format_status(StudyFolder{status_folder}));
-  return kExitOk;
+  return log_commands.run().value_or(kExitUsage);
 }
 
 }  // namespace

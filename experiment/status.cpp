@@ -1,30 +1,63 @@
-// The log's sessions as a table of text.
+// The log's sessions as a table of text, and what comes next.
 #include "experiment/status.h"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
+#include "experiment/session_summary.h"
 #include "experiment/trial_log.h"
 
 namespace equilux {
+namespace {
+
+constexpr const char* kNoSessions = "No sessions yet.\n";
+
+std::string format_head() {
+  return fmt::format("{:>7}  {:8}{:11}{:>5}  {:20}{:11}{:>9}{:>10}{:>13}  {}\n", "session", "kind",
+                     "experiment", "index", "participant", "state", "answered", "too fast", "catch right",
+                     "started");
+}
+
+std::string format_catch(const SessionSummary& summary) {
+  return summary.catch_answered == 0 ? "-"
+                                     : fmt::format("{}/{}", summary.catch_right, summary.catch_answered);
+}
+
+std::string format_line(const TrialLog& log, const SessionRow& row) {
+  const SessionSummary summary = summarise_session(row, log.load_trials(row.id), log.load_events(row.id));
+  const std::string reason =
+      summary.abort_reason.empty() ? "" : fmt::format("  aborted: {}", summary.abort_reason);
+  return fmt::format("{:7}  {:8}{:11}{:5}  {:20}{:11}{:>9}{:>10}{:>13}  {}{}\n", row.id,
+                     format_kind(row.kind), format_experiment(row.experiment), row.subject_index,
+                     row.participant, format_state(summary.state),
+                     fmt::format("{}/{}", summary.answered, summary.trials), summary.too_fast,
+                     format_catch(summary), row.started_utc, reason);
+}
+
+std::string format_next(const TrialLog& log, const std::vector<SessionRow>& sessions, Experiment experiment) {
+  std::set<SubjectKind> kinds = {SubjectKind::kPerson};
+  for (const SessionRow& row : sessions) kinds.insert(row.kind);
+  std::vector<std::string> parts;
+  for (const SubjectKind kind : kinds)
+    parts.push_back(fmt::format("{} {}", format_kind(kind), log.find_free_index(kind, experiment)));
+  return fmt::format("Next free index, {}: {}.\n", format_experiment(experiment), fmt::join(parts, ", "));
+}
+
+}  // namespace
 
 std::string format_status(const StudyFolder& folder) {
   load_folder_study(folder);
-  if (!std::filesystem::exists(folder.responses())) return "No sessions yet.\n";
-  const TrialLog log(folder.responses());
+  if (!std::filesystem::exists(folder.responses())) return kNoSessions;
+  const TrialLog log = TrialLog::load_snapshot(folder.responses());
   const auto sessions = log.load_sessions();
-  if (sessions.empty()) return "No sessions yet.\n";
-  std::string text = fmt::format("{:>7}  {:8}{:11}{:>5}  {:20}{:10}{:>9}  {}\n", "session", "kind",
-                                 "experiment", "index", "participant", "complete", "answered", "started");
-  for (const SessionRow& row : sessions) {
-    const auto trials = log.load_trials(row.id);
-    const auto answered = std::count_if(trials.begin(), trials.end(),
-                                        [](const auto& trial) { return trial.answer.has_value(); });
-    text += fmt::format("{:7}  {:8}{:11}{:5}  {:20}{:10}{:>9}  {}\n", row.id, format_kind(row.kind),
-                        format_experiment(row.experiment), row.subject_index, row.participant,
-                        row.complete ? "yes" : "no", fmt::format("{}/{}", answered, trials.size()),
-                        row.started_utc);
-  }
+  const auto withdrawn = log.count_withdrawn();
+  if (sessions.empty() && withdrawn == 0) return kNoSessions;
+  std::string text = sessions.empty() ? kNoSessions : format_head();
+  for (const SessionRow& row : sessions) text += format_line(log, row);
+  text += fmt::format("\nWithdrawn participants: {}.\n", withdrawn);
+  for (const Experiment experiment : {Experiment::kArtifact, Experiment::kMaterial})
+    text += format_next(log, sessions, experiment);
   return text;
 }
 

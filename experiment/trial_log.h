@@ -76,6 +76,23 @@ struct TrialRow {
       response_time_ns;  ///< monotonic clock, from the onset of this showing to the press
   std::optional<std::string> answered_utc;
   bool too_fast = false;  ///< answered in less than the protocol's least time
+  bool operator==(const TrialRow&) const = default;
+};
+
+/// Something that happened; docs/responses.md names the kinds.
+struct EventRow {
+  std::optional<int> trial;  ///< empty for events of the whole session
+  std::string kind;
+  std::int64_t time_ns = 0;  ///< monotonic clock
+  std::string recorded_utc;
+  std::string detail;
+  bool operator==(const EventRow&) const = default;
+};
+
+/// Where answers were exported to, and when last.
+struct ExportRow {
+  std::string path;
+  std::string made_utc;
 };
 
 /// An answer as the session reports it.
@@ -108,12 +125,15 @@ class TrialLog {
   TrialLog(TrialLog&&) noexcept;
   TrialLog& operator=(TrialLog&&) noexcept;
 
-  /// Writes session, participant and all trials in one transaction; gives the session's id. `row.id` is
-  /// ignored. errors: InputError if the index is taken.
+  /// Writes session, participant and all trials in one transaction; gives the session's id. `row.id`,
+  /// `station` and `complete` are the log's own. errors: InputError if the index is taken or the participant
+  /// withdrew.
   std::int64_t append_session(const SessionRow& row, const std::vector<TrialRow>& trials);
 
   std::vector<SessionRow> load_sessions() const;
   std::vector<TrialRow> load_trials(std::int64_t session) const;
+  std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
+  std::int64_t count_withdrawn() const;                           ///< tombstones
   /// Lowest index that no session of this kind and experiment holds.
   std::int64_t find_free_index(SubjectKind kind, Experiment experiment) const;
   bool has_session_using_selection(const std::string& selection_digest) const;
@@ -129,6 +149,9 @@ class TrialLog {
                     const std::string& detail = "");
   /// What became known after the session's start; each name once. errors: StoreError
   void append_field(std::int64_t session, const std::string& name, const std::string& value);
+  /// That answers were exported to `path`, for a later withdrawal to name.
+  void append_export(const std::string& path);
+  std::vector<ExportRow> load_exports() const;  ///< each path once, sorted
   /// Marks the session complete. errors: StoreError if a trial is unanswered.
   void finish_session(std::int64_t session, std::int64_t time_ns);
 

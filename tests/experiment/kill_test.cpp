@@ -1,5 +1,6 @@
 // kill -9 in mid-session: what was acknowledged is on the disk, and the session goes on where it was.
 #include <chrono>
+#include <cstdlib>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <set>
@@ -19,7 +20,8 @@ using ::testing::Contains;
 using ::testing::IsEmpty;
 
 constexpr int kKills = 20;
-constexpr int kSubjects = 240;  ///< more trials than 20 runs can do: 64 heard, 4,096 bytes of lines unread
+constexpr int kSubjectsPerKill =
+    12;  ///< more trials than a run can do: 64 heard, 4,096 bytes of lines unread
 constexpr int kTrials = 32;
 
 using TrialName = std::pair<std::int64_t, int>;  ///< session, trial
@@ -59,7 +61,7 @@ class Kill : public ::testing::Test {
  protected:
   std::vector<std::string> arguments(const StudyFolder& folder) const {
     return {"simulate",     folder.root.string(),      "--experiment", "artifact",
-            "--subjects",   std::to_string(kSubjects), "--seed",       "8",
+            "--subjects",   std::to_string(subjects_), "--seed",       "8",
             "--acknowledge"};
   }
 
@@ -94,6 +96,39 @@ class Kill : public ::testing::Test {
     ++heard;
   }
 
+  void kill_again_and_again(int kills) {
+    subjects_ = kills * kSubjectsPerKill;
+    RandomStream random(41, "kill", 0);
+    int in_mid_session = 0;
+    for (int kill = 0; kill < kills; ++kill) {
+      const int heard = run_and_kill(random);
+      EXPECT_GE(heard, 1) << "a kill before the first acknowledgement shows nothing";
+      const TrialLog log(folder_.responses());
+      const auto answered = load_answered(log);
+      ASSERT_THAT(check_kept(acknowledged_, answered), IsEmpty()) << "kill " << kill;
+      ASSERT_LT(answered.size(), static_cast<std::size_t>(subjects_) * kTrials)
+          << "a kill after the last shows nothing";
+      if (answered.size() % kTrials != 0) ++in_mid_session;
+      acknowledged_ = answered;  // one may have been committed unheard; the next run will not say it
+    }
+    RecordProperty("kills_in_mid_session", in_mid_session);
+    EXPECT_GE(in_mid_session, kills / 2) << "kills must fall between acknowledgements of one session";
+    check_end(kills, in_mid_session);
+  }
+
+  // Gone on with to the end, the log is that of a study which nobody disturbed.
+  void check_end(int kills, int in_mid_session) {
+    EXPECT_EQ(Child(kSessionProgram, arguments(folder_)).wait().exit_code, 0);
+    EXPECT_EQ(Child(kSessionProgram, arguments(undisturbed_)).wait().exit_code, 0);
+    EXPECT_EQ(load_shared_content(folder_.responses()), load_shared_content(undisturbed_.responses()));
+    const RawDatabase database(folder_.responses());
+    EXPECT_EQ(database.value("SELECT count(*) FROM session WHERE complete = 1"), std::to_string(subjects_));
+    const int resumed = std::stoi(database.value("SELECT count(*) FROM event WHERE kind = 'resume'"));
+    EXPECT_GE(resumed, in_mid_session);
+    EXPECT_LE(resumed, kills);
+  }
+
+  int subjects_ = kKills * kSubjectsPerKill;
   TemporaryFolder first_, second_;
   StudyFolder folder_ = make_fake_study(first_.path());
   StudyFolder undisturbed_ = make_fake_study(second_.path());
@@ -102,29 +137,12 @@ class Kill : public ::testing::Test {
 };
 
 // Seed 41: after 1 to 64 acknowledgements and 0 to 0.3 ms more, 20 times, in 240 sessions of 32 trials.
-TEST_F(Kill, LosesNoAcknowledgedAnswerAtTwentyMoments) {
-  RandomStream random(41, "kill", 0);
-  int in_mid_session = 0;
-  for (int kill = 0; kill < kKills; ++kill) {
-    const int heard = run_and_kill(random);
-    EXPECT_GE(heard, 1) << "a kill before the first acknowledgement shows nothing";
-    const TrialLog log(folder_.responses());
-    const auto answered = load_answered(log);
-    ASSERT_THAT(check_kept(acknowledged_, answered), IsEmpty()) << "kill " << kill;
-    ASSERT_LT(answered.size(), std::size_t{kSubjects * kTrials}) << "a kill after the last shows nothing";
-    if (answered.size() % kTrials != 0) ++in_mid_session;
-    acknowledged_ = answered;  // one may have been committed unheard; the next run will not say it
-  }
-  RecordProperty("kills_in_mid_session", in_mid_session);
-  EXPECT_GE(in_mid_session, kKills / 2) << "kills must fall between acknowledgements of one session";
-  EXPECT_EQ(Child(kSessionProgram, arguments(folder_)).wait().exit_code, 0);
-  EXPECT_EQ(Child(kSessionProgram, arguments(undisturbed_)).wait().exit_code, 0);
-  EXPECT_EQ(load_shared_content(folder_.responses()), load_shared_content(undisturbed_.responses()));
-  const RawDatabase database(folder_.responses());
-  EXPECT_EQ(database.value("SELECT count(*) FROM session WHERE complete = 1"), std::to_string(kSubjects));
-  const int resumed = std::stoi(database.value("SELECT count(*) FROM event WHERE kind = 'resume'"));
-  EXPECT_GE(resumed, in_mid_session);
-  EXPECT_LE(resumed, kKills);
+TEST_F(Kill, LosesNoAcknowledgedAnswerAtTwentyMoments) { kill_again_and_again(kKills); }
+
+// By hand (some minutes): the same 200 times in 2,400 sessions, or as often as EQUILUX_KILLS says.
+TEST_F(Kill, DISABLED_LosesNoAcknowledgedAnswerAtTwoHundredMoments) {
+  const char* asked = std::getenv("EQUILUX_KILLS");
+  kill_again_and_again(asked ? std::stoi(asked) : 200);
 }
 
 // Mutant: one acknowledged answer is taken out of the log. The check must say so.

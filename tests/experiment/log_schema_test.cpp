@@ -9,11 +9,10 @@
 #include "base/files.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
+#include "tests/experiment/old_log.h"
 #include "tests/experiment/raw_database.h"
 
 namespace equilux {
-
-extern const char kResponsesSchema1[];
 
 namespace {
 namespace fs = std::filesystem;
@@ -23,39 +22,12 @@ using ::testing::IsEmpty;
 
 class LogSchema : public ::testing::Test {
  protected:
-  // One finished session, one interrupted one of another participant, as a program of schema 1 left them.
-  void make_old_log() const {
-    const RawDatabase database(path_);
-    database.query("PRAGMA journal_mode = WAL");
-    database.query(kResponsesSchema1);
-    database.query("PRAGMA application_id = 1162955864");
-    database.query("PRAGMA user_version = 1");
-    database.query("INSERT INTO participant VALUES (1, 'P01'), (2, 'P02')");
-    for (const char* session : {"1, 1, 'person', 'artifact', 0, 5", "2, 2, 'person', 'artifact', 1, 6"})
-      database.query(std::string("INSERT INTO session VALUES (") + session +
-                     ", '0.1.0', 's', 'm', 'w', '', '', 'HDMI', 1920, 1080, .4572, 16, 12,"
-                     " '2026-01-31T12:00:00.000Z', 0)");
-    database.query(
-        "WITH RECURSIVE numbers (value) AS (VALUES (2) UNION ALL SELECT value + 1 FROM numbers WHERE value < "
-        "5)"
-        " INSERT INTO trial SELECT value / 2, value % 2, 'G1-MR-ind-100k-C' || (value % 2), 'test', 'pair', "
-        "'',"
-        " 'left', 'left', 1000, '2026-01-31T12:00:01.000Z' FROM numbers");
-    database.query(
-        "UPDATE trial SET answer = NULL, response_time_ns = NULL, answered_utc = NULL"
-        " WHERE session = 2 AND trial = 1");
-    database.query("UPDATE session SET complete = 1 WHERE id = 1");
-    database.query(
-        "INSERT INTO event VALUES (1, 1, 0, 'showing', 7, '2026-01-31T12:00:00.500Z', ''),"
-        " (2, 2, NULL, 'abort', 9, '2026-01-31T12:00:02.000Z', 'tired')");
-  }
-
   TemporaryFolder folder_;
   fs::path path_ = folder_.path() / "responses.sqlite";
 };
 
 TEST_F(LogSchema, AnOlderLogIsBroughtUpAndACopyOfItIsKept) {
-  make_old_log();
+  make_old_log(path_);
   const Rows trials = RawDatabase(path_).query("SELECT * FROM trial"),
              events = RawDatabase(path_).query("SELECT * FROM event");
   {
@@ -81,7 +53,7 @@ TEST_F(LogSchema, AnOlderLogIsBroughtUpAndACopyOfItIsKept) {
 }
 
 TEST_F(LogSchema, TheTablesAfterAreThoseOfANewLog) {
-  make_old_log();
+  make_old_log(path_);
   TrialLog{path_};
   const fs::path fresh = folder_.path() / "fresh.sqlite";
   TrialLog(fresh, true);
@@ -90,7 +62,7 @@ TEST_F(LogSchema, TheTablesAfterAreThoseOfANewLog) {
 }
 
 TEST_F(LogSchema, TwoCopiesOfAnOlderLogGetTheSameIdentities) {
-  make_old_log();
+  make_old_log(path_);
   const fs::path other = folder_.path() / "other.sqlite";
   { TrialLog{path_}; }
   fs::copy(folder_.path() / "responses.v1.sqlite", other);
@@ -100,7 +72,7 @@ TEST_F(LogSchema, TwoCopiesOfAnOlderLogGetTheSameIdentities) {
 }
 
 TEST_F(LogSchema, AnEarlierCopyIsNeverOverwritten) {
-  make_old_log();
+  make_old_log(path_);
   save_text(folder_.path() / "responses.v1.sqlite", "an earlier one");
   TrialLog{path_};
   EXPECT_EQ(load_text(folder_.path() / "responses.v1.sqlite"), "an earlier one");
@@ -108,7 +80,7 @@ TEST_F(LogSchema, AnEarlierCopyIsNeverOverwritten) {
 }
 
 TEST_F(LogSchema, AFailedMigrationLeavesTheLogAsItWas) {
-  make_old_log();
+  make_old_log(path_);
   RawDatabase(path_).query("PRAGMA foreign_keys = OFF");
   RawDatabase(path_).query("UPDATE trial SET session = 9 WHERE session = 2");
   EXPECT_THROW(TrialLog{path_}, InputError);
@@ -130,7 +102,7 @@ TEST_F(LogSchema, ASnapshotSeesWhatIsCommittedAndTouchesNothing) {
 }
 
 TEST_F(LogSchema, ASnapshotOfAnOlderLogLeavesItOld) {
-  make_old_log();
+  make_old_log(path_);
   EXPECT_EQ(TrialLog::load_snapshot(path_).load_sessions().size(), 2u);
   EXPECT_EQ(RawDatabase(path_).value("PRAGMA user_version"), "1");
   EXPECT_THAT(find_kept_copies(path_), IsEmpty());

@@ -66,8 +66,13 @@ TEST_F(SessionProgram, ShowsWhoHasAnsweredHowMuch) {
 }
 
 TEST_F(SessionProgram, EndsEveryHelpWithAnExample) {
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"--help"}, {"simulate", "--help"}, {"run", "--help"}, {"status", "--help"}}) {
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"--help"},
+                                                                                     {"simulate", "--help"},
+                                                                                     {"run", "--help"},
+                                                                                     {"status", "--help"},
+                                                                                     {"export", "--help"},
+                                                                                     {"withdraw", "--help"},
+                                                                                     {"merge", "--help"}}) {
     const ChildResult result = run_session_program(words);
     EXPECT_EQ(result.exit_code, 0);
     const std::string last_line = result.out.substr(result.out.rfind("Example: "));
@@ -86,7 +91,10 @@ TEST_F(SessionProgram, LeavesWithTwoOnAWrongCommandLine) {
         Words{"simulate", root_, "--experiment", "taste"},
         Words{"simulate", root_, "--experiment", "artifact", "--subjects", "0"},
         Words{"simulate", root_, "--experiment", "artifact", "--subjects", "many"},
-        Words{"simulate", root_, "--experiment", "artifact", "--seed", "-1"},
+        Words{"simulate", root_, "--experiment", "artifact", "--seed", "-1"}, Words{"export", root_},
+        Words{"export", root_, "--out", "a", "--format", "xml"},
+        Words{"export", root_, "--out", "a", "--kind", "martian"}, Words{"withdraw", root_},
+        Words{"withdraw", root_, "P01", "P02"}, Words{"merge", root_}, Words{"merge"},
         Words{"run", root_, "--experiment", "taste"}, Words{"run", root_, "--diagonal", "-3"}}) {
     const ChildResult result = run_session_program(words);
     EXPECT_EQ(result.exit_code, 2) << fmt::format("{}", fmt::join(words, " "));
@@ -102,6 +110,19 @@ TEST_F(SessionProgram, LeavesWithOneOnInputThatItCannotUse) {
   EXPECT_EQ(material.exit_code, 1);
   EXPECT_THAT(material.err, HasSubstr("equilux-analyze prune " + root_));
   EXPECT_THAT(material.err, EndsWith("\n"));
+}
+
+TEST_F(SessionProgram, LeavesWithOneWhereThereIsNoLogToReadFrom) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"export", root_, "--out", root_ + "/out"},
+                                             {"withdraw", root_, "P01", "--yes"},
+                                             {"merge", root_, root_}}) {
+    const ChildResult result = run_session_program(words);
+    EXPECT_EQ(result.exit_code, 1) << words.front();
+    EXPECT_THAT(result.err,
+                HasSubstr("responses.sqlite: expected a log of responses, got nothing of that name"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_.responses()));
 }
 
 // Files of the program may not exceed 200,000 bytes: the disk is full in mid-session.

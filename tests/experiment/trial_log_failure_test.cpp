@@ -1,14 +1,13 @@
 // Files that are no logs, answers that cannot be, and a disk that is full: said aloud, and nothing lost.
-#include <csignal>
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "base/error.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
 #include "tests/experiment/raw_database.h"
+#include "tests/experiment/unprivileged.h"
+#include "tests/support/failures.h"
 
 namespace equilux {
 namespace {
@@ -177,21 +176,6 @@ TEST_F(TrialLogFailure, ALogThatAnotherWriterHoldsIsAStoreErrorAfterAWait) {
   EXPECT_NO_THROW(log.append_answer(session, {0, Side::kLeft, 10}, 1, 1));
 }
 
-// Files of this process cannot grow beyond a number of bytes, as on a full disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-
- private:
-  rlimit before_{};
-};
-
 TEST_F(TrialLogFailure, AFullDiskKeepsAllEarlierAnswers) {
   const int count = 500;
   const auto session = make_log(count);
@@ -215,6 +199,71 @@ TEST_F(TrialLogFailure, AFullDiskKeepsAllEarlierAnswers) {
     EXPECT_EQ(trials[static_cast<std::size_t>(i)].answer.has_value(), i < acknowledged) << i;
   }
   EXPECT_NO_THROW(log.append_answer(session, {acknowledged, Side::kLeft, 10}, std::nullopt, 0));
+}
+
+// A folder that is moved, or removed, with the log open: what is written now would be lost with it.
+TEST_F(TrialLogFailure, AFolderThatIsMovedAwayStopsTheSession) {
+  const fs::path home = folder_.path() / "study", away = folder_.path() / "away";
+  fs::create_directory(home);
+  path_ = home / "responses.sqlite";
+  const auto session = make_log(3);
+  {
+    TrialLog log(path_);
+    log.append_answer(session, {0, Side::kLeft, 10}, 1, 1);
+    fs::rename(home, away);
+    expect_error<StoreError>(
+        [&] {
+          log.append_answer(session, {1, Side::kLeft, 10}, 2, 2);
+        },
+        "moved or removed while it was open");
+  }
+  fs::rename(away, home);
+  TrialLog log(path_);
+  EXPECT_TRUE(log.load_trials(session)[0].answer);
+  EXPECT_FALSE(log.load_trials(session)[2].answer);
+}
+
+TEST_F(TrialLogFailure, AFolderThatIsRemovedStopsTheSession) {
+  const fs::path home = folder_.path() / "study";
+  fs::create_directory(home);
+  path_ = home / "responses.sqlite";
+  const auto session = make_log(3);
+  TrialLog log(path_);
+  fs::remove_all(home);
+  expect_error<StoreError>(
+      [&] {
+        log.append_answer(session, {0, Side::kLeft, 10}, 1, 1);
+      },
+      "moved or removed while it was open");
+}
+
+TEST_F(TrialLogFailure, AnotherFileInItsPlaceStopsTheSession) {
+  const auto session = make_log(3);
+  TrialLog log(path_);
+  fs::copy_file(path_, folder_.path() / "copy");
+  fs::rename(folder_.path() / "copy", path_);
+  expect_error<StoreError>(
+      [&] {
+        log.append_answer(session, {0, Side::kLeft, 10}, 1, 1);
+      },
+      "moved or removed while it was open");
+}
+
+TEST_F(TrialLogFailure, AReadOnlyFolderIsAStoreErrorThatSaysWhatToLookAt) {
+  make_log(2);
+  const ReadOnlyFolder read_only(folder_.path());
+  expect_error<StoreError>([&] { TrialLog{path_}; }, "look at the permissions");
+}
+
+TEST_F(TrialLogFailure, AFolderThatBecomesReadOnlyInMidSessionKeepsWhatItHas) {
+  const auto session = make_log(3);
+  {
+    TrialLog log(path_);
+    log.append_answer(session, {0, Side::kLeft, 10}, 1, 1);
+    const ReadOnlyFolder read_only(folder_.path());
+    EXPECT_NO_THROW(log.append_answer(session, {1, Side::kLeft, 10}, 2, 2)) << "its files are open";
+  }
+  EXPECT_TRUE(TrialLog(path_).load_trials(session)[1].answer);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <optional>
 
 #include "base/error.h"
 #include "tests/experiment/fake_study.h"
@@ -258,6 +259,34 @@ TEST_F(TrialLogTest, LeavesOneWholeFileWhenClosed) {
   const auto copy = folder_.path() / "copy.sqlite";
   std::filesystem::copy_file(path_, copy);
   EXPECT_EQ(TrialLog(copy).load_answers(SubjectKind::kPerson, Experiment::kArtifact).size(), 5u);
+}
+
+TEST_F(TrialLogTest, LeavesOneWholeFileWhenClosedThoughAnotherHadItOpenBefore) {
+  {
+    std::optional<TrialLog> log(std::in_place, path_, true);
+    {
+      const TrialLog reader(path_);
+      EXPECT_EQ(reader.load_sessions().size(), 0u);
+    }
+    answer_all(*log, log->append_session(make_fake_session(), make_fake_trials(5)), 5);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + "-wal"));
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + "-shm"));
+}
+
+TEST_F(TrialLogTest, LeavesAnEmptyWalWhenClosedWhileAnotherHasItOpen) {
+  std::optional<TrialLog> log(std::in_place, path_, true);
+  {
+    const TrialLog reader(path_);
+    answer_all(*log, log->append_session(make_fake_session(), make_fake_trials(5)), 5);
+    log.reset();
+    EXPECT_EQ(std::filesystem::file_size(path_.string() + "-wal"), 0u);
+    const auto copy = folder_.path() / "copy.sqlite";
+    std::filesystem::copy_file(path_, copy);
+    EXPECT_EQ(TrialLog(copy).load_answers(SubjectKind::kPerson, Experiment::kArtifact).size(), 5u);
+    EXPECT_TRUE(reader.load_sessions().at(0).complete);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + "-wal"));
 }
 
 TEST_F(TrialLogTest, CanBeReadWhileItIsWritten) {

@@ -1,0 +1,46 @@
+// Rows of a log, written and read on an open database: what TrialLog and the merging of logs share.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiment/database.h"
+#include "experiment/trial_log.h"
+
+namespace equilux {
+
+/// That a participant withdrew; who it was can be asked of a known code alone.
+struct Tombstone {
+  std::string salt;    ///< random
+  std::string digest;  ///< of salt and code
+  std::string withdrawn_utc;
+  bool operator==(const Tombstone&) const = default;
+};
+
+Tombstone make_tombstone(const std::string& code);
+bool is_of(const Tombstone& tombstone, const std::string& code);
+/// The tombstone of a code, if its participant withdrew.
+std::optional<Tombstone> find_tombstone(const std::vector<Tombstone>& tombstones, const std::string& code);
+
+std::string load_station(const Database& database);
+std::vector<SessionRow> load_sessions(const Database& database);
+std::vector<TrialRow> load_trials(const Database& database, std::int64_t session);
+std::vector<EventRow> load_events(const Database& database, std::int64_t session);
+std::vector<Tombstone> load_tombstones(const Database& database);
+std::vector<ExportRow> load_exports(const Database& database);  ///< each path once, sorted
+
+// Within the caller's transaction. errors: StoreError
+/// Participant, session and fields; `row.id` is ignored. Gives the session's id.
+std::int64_t insert_session(const Database& database, const SessionRow& row);
+void insert_trial(const Database& database, std::int64_t session, const TrialRow& trial);
+void insert_event(const Database& database, std::int64_t session, const EventRow& event);
+void insert_field(const Database& database, std::int64_t session, const std::string& name,
+                  const std::string& value);
+/// One that is there already is left as it is.
+void insert_tombstone(const Database& database, const Tombstone& tombstone);
+
+std::string format_side(Side side);
+
+}  // namespace equilux

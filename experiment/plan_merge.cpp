@@ -1,0 +1,211 @@
+// Logs are taken in one after the other; each session meets those that are there already.
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+#include <tuple>
+
+#include "experiment/merge_logs.h"
+
+namespace equilux {
+namespace {
+
+std::string name_session(const LogSession& session) {
+  return fmt::format("{}, {}, {}, index {}, of station {}", session.row.participant,
+                     format_kind(session.row.kind), format_experiment(session.row.experiment),
+                     session.row.subject_index, session.row.station.substr(0, 8));
+}
+
+bool is_schedule_same(const TrialRow& a, const TrialRow& b) {
+  const auto scheduled = [](const TrialRow& row) {
+    return std::tie(row.number, row.phase, row.cell, row.test_key, row.pair_key, row.upper_key,
+                    row.test_side);
+  };
+  return scheduled(a) == scheduled(b);
+}
+
+bool is_trial_prefix(const TrialRow& a, const TrialRow& b) {
+  return a.answer ? a == b : is_schedule_same(a, b);
+}
+
+bool has_same_start(const SessionRow& a, const SessionRow& b) {
+  const auto start = [](const SessionRow& row) {
+    return std::tie(row.participant, row.kind, row.experiment, row.subject_index, row.seed, row.started_utc);
+  };
+  return start(a) == start(b) && a.digests == b.digests;
+}
+
+// `b` has all of `a`, and perhaps more.
+bool is_prefix(const LogSession& a, const LogSession& b) {
+  return has_same_start(a.row, b.row) && a.row.complete <= b.row.complete &&
+         std::includes(b.row.fields.begin(), b.row.fields.end(), a.row.fields.begin(), a.row.fields.end()) &&
+         std::equal(a.trials.begin(), a.trials.end(), b.trials.begin(), b.trials.end(), is_trial_prefix) &&
+         a.events.size() <= b.events.size() && std::equal(a.events.begin(), a.events.end(), b.events.begin());
+}
+
+// What the merged log will hold, session by session, with where each comes from.
+struct Held {
+  LogSession session;
+  std::string source;
+  enum { kOurs, kReplaced, kAdded } state = kOurs;
+};
+
+class Planner {
+ public:
+  Planner(const LogContent& ours, const std::string& study_digest) : study_digest_(study_digest) {
+    tombstones_ = ours.tombstones;
+    for (const LogSession& session : ours.sessions) held_.push_back({session, ours.source});
+  }
+
+  void take_tombstones(const LogContent& log) {
+    for (const Tombstone& tombstone : log.tombstones) {
+      if (std::find(tombstones_.begin(), tombstones_.end(), tombstone) != tombstones_.end()) continue;
+      tombstones_.push_back(tombstone);
+      plan_.tombstones.push_back(tombstone);
+    }
+  }
+
+  // All tombstones are known now.
+  void erase_withdrawn() {
+    std::erase_if(held_, [&](const Held& held) {
+      const std::string& code = held.session.row.participant;
+      if (!find_tombstone(tombstones_, code)) return false;
+      if (std::find(plan_.erased.begin(), plan_.erased.end(), code) == plan_.erased.end())
+        plan_.erased.push_back(code);
+      return true;
+    });
+  }
+
+  void take(const LogSession& session, const std::string& source) {
+    if (find_tombstone(tombstones_, session.row.participant)) {
+      conflict(session, source, "the participant withdrew; withdraw there too, then merge again");
+      return;
+    }
+    check_study(session, source);
+    Held* same = find_same(session);
+    if (!same) {
+      check_against_others(session, source);
+      held_.push_back({session, source, Held::kAdded});
+    } else if (is_prefix(session, same->session)) {
+      ++plan_.kept;
+    } else if (is_prefix(same->session, session)) {
+      if (same->state == Held::kOurs) same->state = Held::kReplaced;
+      same->session = session;
+      same->source = source;
+    } else {
+      conflict(session, source,
+               fmt::format("the same session has other answers or events in {}", same->source));
+    }
+  }
+
+  MergePlan finish() {
+    for (const Held& held : held_) {
+      if (held.state == Held::kAdded) plan_.added.push_back(held.session);
+      if (held.state == Held::kReplaced) plan_.replaced.push_back(held.session);
+    }
+    find_double_finishes();
+    remark_equal_indices();
+    return std::move(plan_);
+  }
+
+ private:
+  void conflict(const LogSession& session, const std::string& source, const std::string& what) {
+    plan_.conflicts.push_back(fmt::format("{}: {}: {}", source, name_session(session), what));
+  }
+
+  Held* find_same(const LogSession& session) {
+    const auto same = std::find_if(held_.begin(), held_.end(), [&](const Held& held) {
+      return held.session.row.uuid == session.row.uuid;
+    });
+    return same == held_.end() ? nullptr : &*same;
+  }
+
+  void check_study(const LogSession& session, const std::string& source) {
+    if (session.row.digests.study != study_digest_)
+      conflict(session, source,
+               fmt::format("its study has the digest {}, the folder's {}", session.row.digests.study,
+                           study_digest_));
+  }
+
+  void check_against_others(const LogSession& session, const std::string& source) {
+    bool compared = false;
+    for (const Held& held : held_) {
+      const SessionRow& other = held.session.row;
+      if (other.kind != session.row.kind || other.experiment != session.row.experiment) continue;
+      if (!compared) check_digests(session, source, held);
+      compared = true;
+      if (other.station == session.row.station && other.subject_index == session.row.subject_index)
+        conflict(session, source,
+                 fmt::format("another session of this station has its index in {}: one log was"
+                             " copied and both went on",
+                             held.source));
+    }
+  }
+
+  // The study is compared with the folder's. A protocol is unknown in sessions of schema 1.
+  void check_digests(const LogSession& session, const std::string& source, const Held& held) {
+    const SessionDigests &theirs = session.row.digests, &ours = held.session.row.digests;
+    const auto compare = [&](const char* name, const std::string& a, const std::string& b) {
+      if (a != b)
+        conflict(session, source, fmt::format("its {} has the digest {}, in {} {}", name, a, held.source, b));
+    };
+    compare("set of pictures", theirs.manifest, ours.manifest);
+    compare("windows.json", theirs.windows, ours.windows);
+    compare("selection", theirs.selection, ours.selection);
+    compare("truth", theirs.truth, ours.truth);
+    if (!theirs.protocol.empty() && !ours.protocol.empty())
+      compare("session.json", theirs.protocol, ours.protocol);
+  }
+
+  void find_double_finishes() {
+    std::map<std::tuple<std::string, SubjectKind, Experiment>, const Held*> finished;
+    for (const Held& held : held_) {
+      const SessionRow& row = held.session.row;
+      const auto [place, is_new] =
+          finished.emplace(std::tuple(row.participant, row.kind, row.experiment), &held);
+      if (is_new) continue;
+      if (row.complete && place->second->session.row.complete) {
+        conflict(
+            held.session, held.source,
+            fmt::format("this participant finished the same experiment in {} too", place->second->source));
+      } else {
+        plan_.remarks.push_back(
+            fmt::format("{} has more than one session in the {} experiment; at most one is complete",
+                        row.participant, format_experiment(row.experiment)));
+        if (row.complete) place->second = &held;
+      }
+    }
+  }
+
+  void remark_equal_indices() {
+    std::map<std::tuple<SubjectKind, Experiment, std::int64_t>, const Held*> holders;
+    for (const Held& held : held_) {
+      const SessionRow& row = held.session.row;
+      const auto [place, is_new] =
+          holders.emplace(std::tuple(row.kind, row.experiment, row.subject_index), &held);
+      if (is_new || (place->second->state == Held::kOurs && held.state == Held::kOurs)) continue;
+      plan_.remarks.push_back(fmt::format(
+          "balance: {} and {} have the same index, so the same views, sides and reference materials",
+          name_session(place->second->session), name_session(held.session)));
+    }
+  }
+
+  std::string study_digest_;
+  std::vector<Held> held_;
+  std::vector<Tombstone> tombstones_;
+  MergePlan plan_;
+};
+
+}  // namespace
+
+MergePlan plan_merge(const LogContent& ours, const std::vector<LogContent>& theirs,
+                     const std::string& study_digest) {
+  Planner planner(ours, study_digest);
+  for (const LogContent& log : theirs) planner.take_tombstones(log);
+  planner.erase_withdrawn();
+  for (const LogContent& log : theirs) {
+    for (const LogSession& session : log.sessions) planner.take(session, log.source);
+  }
+  return planner.finish();
+}
+
+}  // namespace equilux

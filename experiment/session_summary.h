@@ -1,0 +1,32 @@
+// What became of a session, counted from its rows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/trial_log.h"
+
+namespace equilux {
+
+enum class SessionState {
+  kComplete,    ///< every trial answered
+  kUnfinished,  ///< may be going on now, or was interrupted
+  kAborted,     ///< ended early, and not resumed since
+};
+
+struct SessionSummary {
+  SessionState state = SessionState::kUnfinished;
+  std::string abort_reason;  ///< empty unless aborted
+  int trials = 0;            ///< of all phases, as the next two
+  int answered = 0;
+  int too_fast = 0;
+  int catch_answered = 0;
+  int catch_right = 0;
+};
+
+std::string format_state(SessionState state);
+
+SessionSummary summarise_session(const SessionRow& row, const std::vector<TrialRow>& trials,
+                                 const std::vector<EventRow>& events);
+
+}  // namespace equilux

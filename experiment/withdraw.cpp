@@ -1,0 +1,146 @@
+// One transaction for the log; then every file that held the answers is written anew.
+#include "experiment/withdraw.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "experiment/log_rows.h"
+#include "experiment/log_schema.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<SessionRow> load_sessions_of(const Database& database, const std::string& code) {
+  std::vector<SessionRow> sessions = load_sessions(database);
+  std::erase_if(sessions, [&](const SessionRow& row) { return row.participant != code; });
+  return sessions;
+}
+
+int count_answers(const Database& database, const std::vector<SessionRow>& sessions) {
+  int answers = 0;
+  for (const SessionRow& session : sessions) {
+    const auto trials = load_trials(database, session.id);
+    answers += static_cast<int>(std::count_if(trials.begin(), trials.end(),
+                                              [](const auto& trial) { return trial.answer.has_value(); }));
+  }
+  return answers;
+}
+
+bool knows(const Database& database, const std::string& code) {
+  return Statement(database, "SELECT 1 FROM participant WHERE code = ?", code).step();
+}
+
+// To be written: one whose rewriting was interrupted cannot be read before it is whole again.
+std::vector<fs::path> find_copies_with(const fs::path& log, const std::string& code) {
+  std::vector<fs::path> copies = find_kept_copies(log);
+  std::erase_if(copies, [&](const fs::path& copy) { return !knows(open_kept_copy(copy), code); });
+  return copies;
+}
+
+std::string format_session(const SessionRow& row) {
+  return fmt::format("  session {}: {}, {}, index {}, begun {}{}\n", row.id, format_kind(row.kind),
+                     format_experiment(row.experiment), row.subject_index, row.started_utc,
+                     row.complete ? ", complete" : "");
+}
+
+bool has_table(const Database& database, const std::string& table) {
+  return Statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?", table).step();
+}
+
+void bury(const Database& database, const std::string& code) {
+  Transaction transaction(database);
+  if (!find_tombstone(load_tombstones(database), code)) insert_tombstone(database, make_tombstone(code));
+  erase_participant(database, code);
+  transaction.commit();
+}
+
+std::vector<std::string> load_codes(const Database& database) {
+  Statement row(database, "SELECT code FROM participant");
+  std::vector<std::string> codes;
+  while (row.step()) codes.push_back(row.text(0));
+  return codes;
+}
+
+// Rewritten also where nobody is left to erase: an earlier time may have been interrupted before that.
+void erase_from_copy(const fs::path& copy, const std::vector<Tombstone>& tombstones) {
+  const Database database = open_kept_copy(copy);
+  overwrite_what_is_deleted(database);
+  Transaction transaction(database);
+  for (const std::string& code : load_codes(database)) {
+    if (find_tombstone(tombstones, code)) erase_participant(database, code);
+  }
+  transaction.commit();
+  rewrite_database(database);
+}
+
+}  // namespace
+
+Withdrawal plan_withdrawal(const fs::path& log, const std::string& code) {
+  const Database database = open_log_snapshot(log);
+  Withdrawal withdrawal;
+  withdrawal.code = code;
+  if (const auto tombstone = find_tombstone(load_tombstones(database), code))
+    withdrawal.withdrawn_utc = tombstone->withdrawn_utc;
+  withdrawal.sessions = load_sessions_of(database, code);
+  withdrawal.answers = count_answers(database, withdrawal.sessions);
+  withdrawal.copies = find_copies_with(log, code);
+  withdrawal.exports = load_exports(database);
+  if (!withdrawal.withdrawn_utc && withdrawal.sessions.empty() && withdrawal.copies.empty())
+    throw InputError(log.string(), "participant/code", "the code of a participant of this log", code);
+  return withdrawal;
+}
+
+std::string format_withdrawal(const Withdrawal& withdrawal) {
+  std::string text = withdrawal.withdrawn_utc
+                         ? fmt::format("{} withdrew on {}; what an interrupted withdrawal left is erased.\n",
+                                       withdrawal.code, *withdrawal.withdrawn_utc)
+                         : fmt::format("All of {} is erased, for good: sessions {}, answers {}.\n",
+                                       withdrawal.code, withdrawal.sessions.size(), withdrawal.answers);
+  for (const SessionRow& session : withdrawal.sessions) text += format_session(session);
+  for (const fs::path& copy : withdrawal.copies) text += fmt::format("  also in {}\n", copy.string());
+  return text + format_exports(withdrawal.exports);
+}
+
+std::string format_exports(const std::vector<ExportRow>& exports) {
+  if (exports.empty()) return "";
+  std::string text = "Earlier exports may hold these answers; they are yours to delete or to export again:\n";
+  for (const ExportRow& row : exports) text += fmt::format("  {}, of {}\n", row.path, row.made_utc);
+  return text;
+}
+
+void withdraw_participant(const fs::path& log, const std::string& code) {
+  const Database database = open_log_alone(log);
+  overwrite_what_is_deleted(database);
+  bury(database, code);
+  rewrite_database(database);
+  erase_from_copies(log, load_tombstones(database));
+}
+
+void overwrite_what_is_deleted(const Database& database) {
+  require_setting(database, "secure_delete", "ON", "1");
+}
+
+void erase_participant(const Database& database, const std::string& code) {
+  for (const std::string table : {"event", "trial", "field"}) {
+    if (!has_table(database, table)) continue;
+    Statement(database,
+              fmt::format("DELETE FROM {} WHERE session IN (SELECT session.id FROM session JOIN participant"
+                          " ON participant.id = participant WHERE code = ?)",
+                          table),
+              code)
+        .run();
+  }
+  Statement(database, "DELETE FROM session WHERE participant IN (SELECT id FROM participant WHERE code = ?)",
+            code)
+      .run();
+  Statement(database, "DELETE FROM participant WHERE code = ?", code).run();
+}
+
+void erase_from_copies(const fs::path& log, const std::vector<Tombstone>& tombstones) {
+  for (const fs::path& copy : find_kept_copies(log)) erase_from_copy(copy, tombstones);
+  for (const fs::path& part : find_unfinished_copies(log)) fs::remove(part);
+}
+
+}  // namespace equilux

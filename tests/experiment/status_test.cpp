@@ -1,0 +1,78 @@
+// What an experimenter reads between two subjects.
+#include "experiment/status.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "experiment/session_summary.h"
+#include "tests/experiment/fake_study.h"
+#include "tests/experiment/fake_trials.h"
+#include "tests/experiment/unprivileged.h"
+
+namespace equilux {
+namespace {
+
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+
+class Status : public ::testing::Test {
+ protected:
+  TemporaryFolder temporary_;
+  StudyFolder folder_ = make_fake_study(temporary_.path());
+};
+
+TEST_F(Status, TellsCompleteUnfinishedAndAbortedSessionsApart) {
+  {
+    TrialLog log(folder_.responses(), true);
+    answer_all(log, log.append_session(make_fake_session(0), make_fake_trials(3)), 3);
+    log.append_answer(log.append_session(make_fake_session(1), make_fake_trials(3)), {0, Side::kLeft, 9}, 1,
+                      1);
+    log.append_event(log.append_session(make_fake_session(2), make_fake_trials(3)), "abort", 5,
+                     "felt unwell");
+  }
+  const std::string status = format_status(folder_);
+  EXPECT_THAT(status, ContainsRegex("person +artifact +0 +P0 +complete +3/3"));
+  EXPECT_THAT(status, ContainsRegex("person +artifact +1 +P1 +unfinished +1/3"));
+  EXPECT_THAT(status, ContainsRegex("person +artifact +2 +P2 +aborted +0/3.*aborted: felt unwell"));
+}
+
+TEST_F(Status, CountsTooFastAnswersAndCatchTrials) {
+  auto trials = make_fake_trials(4);
+  trials[1].phase = trials[2].phase = trials[3].phase = Phase::kCatch;
+  TrialLog log(folder_.responses(), true);
+  log.append_session(make_fake_session(), trials);
+  log.append_answer(1, {0, Side::kRight, 9, true}, 1, 1);
+  log.append_answer(1, {1, trials[1].test_side, 9, true}, 2, 1);
+  log.append_answer(1, {2, Side::kRight, 9}, 3, 1);  // wrong: it stood left
+  EXPECT_THAT(format_status(folder_), ContainsRegex("unfinished +3/4 +2 +1/2 "));
+}
+
+TEST_F(Status, TellsTheNextIndexOfEachExperimentAndKind) {
+  TrialLog log(folder_.responses(), true);
+  for (const int index : {0, 1, 3}) log.append_session(make_fake_session(index), {});
+  log.append_session(make_fake_session(0, SubjectKind::kPlanted, Experiment::kMaterial), {});
+  EXPECT_THAT(format_status(folder_), HasSubstr("Next free index, artifact: person 2, planted 0.\n"
+                                                "Next free index, material: person 0, planted 1.\n"));
+}
+
+TEST_F(Status, IsToldOfAFolderThatCanOnlyBeRead) {
+  { TrialLog(folder_.responses(), true).append_session(make_fake_session(), {}); }
+  const ReadOnlyFolder read_only(folder_.root);
+  EXPECT_THAT(format_status(folder_), HasSubstr("P0"));
+}
+
+TEST(SessionSummary, AnAbortCountsUntilTheSessionGoesOn) {
+  const auto state = [](const std::vector<std::string>& kinds) {
+    std::vector<EventRow> events;
+    for (const std::string& kind : kinds) events.push_back({std::nullopt, kind, 0, "", "reason"});
+    return summarise_session(SessionRow{}, {}, events).state;
+  };
+  EXPECT_EQ(state({}), SessionState::kUnfinished);
+  EXPECT_EQ(state({"showing", "abort"}), SessionState::kAborted);
+  EXPECT_EQ(state({"abort", "focus-lost"}), SessionState::kAborted) << "of the window, and not of going on";
+  EXPECT_EQ(state({"abort", "resume"}), SessionState::kUnfinished);
+  EXPECT_EQ(state({"abort", "resume", "showing", "abort"}), SessionState::kAborted);
+}
+
+}  // namespace
+}  // namespace equilux
