@@ -8,6 +8,7 @@
 #include "base/program.h"
 #include "base/version.h"
 #include "experiment/log_commands.h"
+#include "experiment/open_session.h"
 #include "experiment/simulate.h"
 #ifdef EQUILUX_WINDOW
 #include "experiment/app/app.h"
@@ -35,6 +36,7 @@ struct RunOptions {
   double diagonal_inches = 0;
   bool asks_setup = false;
   double text_scale = 1;
+  std::string station;
   std::optional<std::int64_t> planted_seed;
   double pace = 1;
 };
@@ -76,6 +78,7 @@ int run(const RunOptions& options) {
   params.diagonal_m = options.diagonal_inches * 0.0254;
   params.asks_setup = options.asks_setup;
   params.text_scale = options.text_scale;
+  if (!options.station.empty()) params.lane = parse_lane(options.station, "--station");
   if (options.planted_seed) params.planted_seed = static_cast<std::uint64_t>(*options.planted_seed);
   params.pace = options.pace;
   return run_app(params);
@@ -129,6 +132,8 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--diagonal", options.diagonal_inches, "Of the visible screen, measured")
       ->type_name("INCHES")
       ->check(CLI::Range(1.0, 1000.0));
+  command->add_option("--station", options.station, "The K-th of N stations whose logs will be merged")
+      ->type_name("K/N");
   command->add_flag("--setup", options.asks_setup, "Show the set-up screen: size of the screen, distance");
   command->add_option("--text-scale", options.text_scale, "Of all text")
       ->type_name("FACTOR")

@@ -2,6 +2,7 @@
 #include "experiment/open_session.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <iterator>
 #include <random>
 #include <type_traits>
@@ -144,7 +145,7 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
   row.participant = request.participant;
   row.kind = inputs.kind;
   row.experiment = inputs.experiment;
-  row.subject_index = log.find_free_index(inputs.kind, inputs.experiment);
+  row.subject_index = log.find_free_index(inputs.kind, inputs.experiment, request.lane);
   row.seed = request.seed;
   row.program_version = kVersion;
   row.digests = inputs.digests;
@@ -248,6 +249,16 @@ void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& eff
     }
   };
   std::visit(record, effect);
+}
+
+Lane parse_lane(const std::string& text, const std::string& source) {
+  constexpr int kMostStations = 1000;
+  int number = 0, count = 0, length = 0;
+  const bool is_read = std::sscanf(text.c_str(), "%4d/%4d%n", &number, &count, &length) == 2 &&
+                       static_cast<std::size_t>(length) == text.size();
+  if (!is_read || number < 1 || number > count || count > kMostStations)
+    throw InputError(source, "", "K/N, the K-th of N stations, such as 2/3", text);
+  return {number - 1, count};
 }
 
 std::uint64_t draw_seed() {

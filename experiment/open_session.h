@@ -23,6 +23,7 @@ struct SessionRequest {
   std::optional<std::filesystem::path> truth;  ///< planted subjects only
   ScreenRecord screen;
   std::map<std::string, std::string> fields = {};  ///< of a new session
+  Lane lane = {};                                  ///< of a new session
   std::string now_utc = {};  ///< for the age limit of a resume; the system clock where empty
 };
 
@@ -31,6 +32,9 @@ struct OpenSession {
   Session session;
   bool resumed = false;
 };
+
+/// "2/3": the second of three stations. errors: InputError
+Lane parse_lane(const std::string& text, const std::string& source);
 
 /// What all sessions of an experiment and kind in a folder are made from, loaded and checked once.
 struct SessionInputs {

@@ -96,13 +96,15 @@ std::vector<EventRow> TrialLog::load_events(std::int64_t session) const {
   return equilux::load_events(impl_->database, session);
 }
 
-std::int64_t TrialLog::find_free_index(SubjectKind kind, Experiment experiment) const {
+std::int64_t TrialLog::find_free_index(SubjectKind kind, Experiment experiment, const Lane& lane) const {
+  EQ_CHECK(lane.first >= 0 && lane.step >= 1, lane.first, lane.step);
   Statement statement(impl_->database,
                       "SELECT subject_index FROM session WHERE kind = ? AND experiment = ?"
-                      " ORDER BY subject_index",
-                      format_kind(kind), format_experiment(experiment));
-  std::int64_t free = 0;
-  while (statement.step() && statement.integer(0) <= free) free = std::max(free, statement.integer(0) + 1);
+                      " AND subject_index >= ? AND (subject_index - ?) % ? = 0 ORDER BY subject_index",
+                      format_kind(kind), format_experiment(experiment), lane.first, lane.first, lane.step);
+  std::int64_t free = lane.first;
+  while (statement.step() && statement.integer(0) <= free)
+    free = std::max(free, statement.integer(0) + lane.step);
   return free;
 }
 

@@ -111,6 +111,13 @@ struct AnswerRow {
   bool correct = false;
 };
 
+/// Indices that a station gives out where several run a study side by side: first, first + step, ... So their
+/// logs, merged, are balanced.
+struct Lane {
+  std::int64_t first = 0;
+  std::int64_t step = 1;
+};
+
 /// The log. One committed transaction for each change; a database that cannot be written throws StoreError.
 class TrialLog {
  public:
@@ -134,8 +141,8 @@ class TrialLog {
   std::vector<TrialRow> load_trials(std::int64_t session) const;
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
   std::int64_t count_withdrawn() const;                           ///< tombstones
-  /// Lowest index that no session of this kind and experiment holds.
-  std::int64_t find_free_index(SubjectKind kind, Experiment experiment) const;
+  /// Lowest index of this lane that no session of this kind and experiment holds.
+  std::int64_t find_free_index(SubjectKind kind, Experiment experiment, const Lane& lane = {}) const;
   bool has_session_using_selection(const std::string& selection_digest) const;
 
   /// A showing without an answer: the first of a session, or again after a resume.

@@ -140,6 +140,7 @@ void print_outcome(const Workplace& work, const Seat& seat) {
 // Empty if the window was closed, or the participant declined.
 std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool asks_setup) {
   if (asks_setup && !ask_setup(window, gui, work)) return std::nullopt;
+  work.is_set_up = asks_setup;
   if (work.goes_on || work.inputs.kind != SubjectKind::kPerson) return take_seat(work, {});
   const Intake intake = ask_intake(window, gui, work);
   if (intake.step == IntakeStep::kDone) return take_seat(work, find_fields(intake, work.inputs.protocol));
@@ -164,10 +165,10 @@ std::optional<PlantedPilot> make_pilot(const AppParams& params, const Workplace&
 // The next planted subject of this seed, as the headless program would call it.
 std::string name_planted_subject(const AppParams& params) {
   const StudyFolder folder{params.study_folder};
-  std::int64_t index = 0;
+  std::int64_t index = params.lane.first;
   if (std::filesystem::exists(folder.responses()))
     index = TrialLog::load_snapshot(folder.responses())
-                .find_free_index(SubjectKind::kPlanted, *params.experiment);
+                .find_free_index(SubjectKind::kPlanted, *params.experiment, params.lane);
   return name_planted(*params.planted_seed, index);
 }
 

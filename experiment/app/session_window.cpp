@@ -28,6 +28,11 @@ int count_practice(const Session& session) {
   return static_cast<int>(session.trials.size()) - count_main(session, false);
 }
 
+int count_object_pages(const std::vector<FamiliarPage>& pages) {
+  return static_cast<int>(std::count_if(pages.begin(), pages.end(),
+                                        [](const FamiliarPage& page) { return page.right_key.empty(); }));
+}
+
 std::string number(int value) { return fmt::format("{}", value); }
 
 bool is_leaving(const InputEvent& event) {
@@ -254,8 +259,9 @@ void SessionWindow::draw_familiar() {
   gui_->begin_frame();
   if (page.right_key.empty()) {
     draw_line(*gui_, layout.question,
-              texts.fill("familiar_object", {{"page", equilux::number(number + 1)},
-                                             {"pages", equilux::number(session().rules.familiar_pages)}}));
+              texts.fill("familiar_object",
+                         {{"page", equilux::number(number + 1)},
+                          {"pages", equilux::number(count_object_pages(work_->inputs.familiar_pages))}}));
   } else {
     const std::string name = "familiar_" + format_experiment(session().experiment);
     const auto above = [&](const Rectangle& place) {

@@ -28,6 +28,7 @@ SessionRequest make_request(const AppParams& params) {
   SessionRequest request;
   request.experiment = *params.experiment;
   request.participant = params.participant;
+  request.lane = params.lane;
   request.kind = params.planted_seed ? SubjectKind::kPlanted : SubjectKind::kPerson;
   request.seed = params.planted_seed ? *params.planted_seed : draw_seed();
   return request;

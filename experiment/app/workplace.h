@@ -26,6 +26,7 @@ struct Workplace {
   SetupInput setup_input;
   ViewingSetup setup;
   std::optional<TrialLog> log;  ///< empty where no session has begun
+  bool is_set_up = false;       ///< the experimenter has seen the set-up screen and its remarks
   bool goes_on = false;         ///< the participant has a session that was interrupted
 
   const StudyFolder& folder() const { return inputs.folder; }

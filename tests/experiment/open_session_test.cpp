@@ -325,5 +325,14 @@ TEST_F(OpenSessionByProtocol, LetsASessionGoOnForSoLong) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours"), HasSubstr("48.0 hours ago"))));
 }
 
+TEST(LaneText, IsTheNumberOfAStationOfSoMany) {
+  EXPECT_EQ(parse_lane("2/3", "--station").first, 1);
+  EXPECT_EQ(parse_lane("2/3", "--station").step, 3);
+  for (const char* text : {"", "2", "0/3", "4/3", "2/3x", "a/b", "-1/3", "1/0", "1/9999"}) {
+    EXPECT_THAT([&] { parse_lane(text, "--station"); }, ThrowsMessage<InputError>(HasSubstr("--station")))
+        << text;
+  }
+}
+
 }  // namespace
 }  // namespace equilux

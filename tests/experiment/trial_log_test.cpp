@@ -338,5 +338,22 @@ TEST_F(TrialLogTest, HasEveryColumnDocumented) {
   }
 }
 
+// Three stations, side by side and then merged: every index once.
+TEST_F(TrialLogTest, StationsGiveOutIndicesOfTheirOwn) {
+  TrialLog log(path_, true);
+  const auto next = [&](std::int64_t first) {
+    const std::int64_t index = log.find_free_index(SubjectKind::kPerson, Experiment::kArtifact, {first, 3});
+    log.append_session(make_fake_session(index), make_fake_trials(1));
+    return index;
+  };
+  EXPECT_EQ(next(1), 1);
+  EXPECT_EQ(next(1), 4);
+  EXPECT_EQ(next(0), 0);
+  EXPECT_EQ(next(2), 2);
+  EXPECT_EQ(next(0), 3);
+  EXPECT_EQ(next(2), 5);
+  EXPECT_EQ(log.find_free_index(SubjectKind::kPerson, Experiment::kArtifact), 6);
+}
+
 }  // namespace
 }  // namespace equilux
