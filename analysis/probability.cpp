@@ -55,6 +55,12 @@ std::optional<double> eval_p_guess(const Count& count) {
       boost::math::complement(make_binomial(count.n, 0.5), static_cast<double>(count.k - 1)));
 }
 
+std::optional<double> eval_p_two_sided(const Count& count) {
+  check_count(count);
+  if (count.n == 0) return std::nullopt;
+  return std::min(1.0, 2 * *eval_p_guess({std::max(count.k, count.n - count.k), count.n}));
+}
+
 bool is_supported(const Count& count) {
   check_count(count);
   if (count.n == 0) return false;

@@ -12,6 +12,10 @@ namespace equilux {
 /// up to n = 62 and so the double nearest to the rational number; by the incomplete beta function beyond.
 std::optional<double> eval_p_guess(const Count& count);
 
+/// Probability at one half of a count at least as far from n / 2, either way; empty where n = 0.
+/// source: R's binom.test(k, n)$p.value.
+std::optional<double> eval_p_two_sided(const Count& count);
+
 inline constexpr double kFlagProportion = 0.75;  ///< proportion correct at which a cell is flagged
 inline constexpr double kSupportLevel = 0.05;    ///< one-sided error of a supported cell
 

@@ -139,12 +139,17 @@ ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment expe
   return pooled;
 }
 
+Threshold find_cut(const ColumnCounts& counts, Experiment experiment, Rule rule, int percent) {
+  const bool pools = rule == Rule::kIsotonic;
+  const ColumnCounts pooled = pools ? pool_adjacent_violators(counts, experiment) : ColumnCounts{};
+  const ColumnCounts& judged = pools ? pooled : counts;
+  return experiment == Experiment::kArtifact ? cut_artifacts(judged, percent) : cut_material(judged, percent);
+}
+
 Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule, int percent) {
   EQ_CHECK(std::is_sorted(counts.begin(), counts.end(),
                           [](const auto& a, const auto& b) { return a.level < b.level; }));
-  const ColumnCounts judged = rule == Rule::kIsotonic ? pool_adjacent_violators(counts, experiment) : counts;
-  Threshold threshold =
-      experiment == Experiment::kArtifact ? cut_artifacts(judged, percent) : cut_material(judged, percent);
+  Threshold threshold = find_cut(counts, experiment, rule, percent);
   threshold.monotone = are_proportions_monotone(counts, experiment);
   threshold.flags_monotone = are_flags_monotone(counts, experiment, percent);
   return threshold;

@@ -55,4 +55,7 @@ ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment expe
 Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule,
                          int percent = kFlagPercent);
 
+/// The same without looking whether the column is monotone, which draws and resamples need not know.
+Threshold find_cut(const ColumnCounts& counts, Experiment experiment, Rule rule, int percent = kFlagPercent);
+
 }  // namespace equilux

@@ -86,19 +86,21 @@ struct Thresholds {
 };
 
 Thresholds judge(const ColumnSlots& column, Rule rule) {
-  return {find_threshold(column.artifact.counts, Experiment::kArtifact, rule),
-          find_threshold(column.material.counts, Experiment::kMaterial, rule)};
+  return {find_cut(column.artifact.counts, Experiment::kArtifact, rule),
+          find_cut(column.material.counts, Experiment::kMaterial, rule)};
+}
+
+Resampled judge_resample(const Thresholds& thresholds) {
+  if (thresholds.artifact.status == CutStatus::kUntested) return Resampled::kUntested;
+  if (thresholds.material.status == CutStatus::kUntested) return Resampled::kUntested;
+  return is_any_equivalent(thresholds.artifact, thresholds.material) ? Resampled::kExists : Resampled::kNone;
 }
 
 class Share {
  public:
-  void add(const Thresholds& thresholds) {
-    if (thresholds.artifact.status == CutStatus::kUntested ||
-        thresholds.material.status == CutStatus::kUntested) {
-      return;
-    }
-    ++all_;
-    true_ += is_any_equivalent(thresholds.artifact, thresholds.material) ? 1 : 0;
+  void add(Resampled verdict) {
+    all_ += verdict != Resampled::kUntested ? 1 : 0;
+    true_ += verdict == Resampled::kExists ? 1 : 0;
   }
   std::optional<double> get() const {
     if (all_ == 0) return std::nullopt;
@@ -169,7 +171,9 @@ void find_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots c
   for (std::size_t draw = 0; draw < static_cast<std::size_t>(params.posterior_draws); ++draw) {
     take_draw(column.artifact.counts, artifact, draw);
     take_draw(column.material.counts, material, draw);
-    for (const Rule rule : kRules) shares[static_cast<std::size_t>(rule)].add(judge(column, rule));
+    for (const Rule rule : kRules) {
+      shares[static_cast<std::size_t>(rule)].add(judge_resample(judge(column, rule)));
+    }
   }
   for (const Rule rule : kRules) {
     const auto r = static_cast<std::size_t>(rule);
@@ -187,12 +191,12 @@ std::vector<std::uint32_t> draw_subjects(std::size_t subjects, Experiment experi
 }
 
 struct ResampleSums {
-  std::array<Share, 2> shares;
+  std::array<Share, 2> shares = {};
   std::vector<CutHistogram> artifact;  // shape: in order of kRules
   std::vector<CutHistogram> material;
 };
 
-void add_resample(std::vector<ResampleSums>& sums, std::vector<ColumnSlots>& columns,
+void add_resample(std::vector<ResampleSums>& sums, Uncertainty& result, std::vector<ColumnSlots>& columns,
                   const std::vector<Count>& artifact, const std::vector<Count>& material) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     columns[c].artifact.fill(artifact);
@@ -200,15 +204,17 @@ void add_resample(std::vector<ResampleSums>& sums, std::vector<ColumnSlots>& col
     for (const Rule rule : kRules) {
       const auto r = static_cast<std::size_t>(rule);
       const Thresholds thresholds = judge(columns[c], rule);
-      sums[c].shares[r].add(thresholds);
+      result.resamples[r].push_back(judge_resample(thresholds));
+      sums[c].shares[r].add(result.resamples[r].back());
       sums[c].artifact[r].add(thresholds.artifact, Experiment::kArtifact);
       sums[c].material[r].add(thresholds.material, Experiment::kMaterial);
     }
   }
 }
 
-std::vector<ResampleSums> resample(std::vector<ColumnSlots> columns, const ResponseMatrix& artifact,
-                                   const ResponseMatrix& material, const UncertaintyParams& params) {
+std::vector<ResampleSums> resample(Uncertainty& result, std::vector<ColumnSlots> columns,
+                                   const ResponseMatrix& artifact, const ResponseMatrix& material,
+                                   const UncertaintyParams& params) {
   std::vector<ResampleSums> sums;
   for (const ColumnSlots& column : columns) {
     const std::vector<CutHistogram> empty(2, CutHistogram(column.levels));
@@ -218,7 +224,7 @@ std::vector<ResampleSums> resample(std::vector<ColumnSlots> columns, const Respo
     const auto counts = [&](const ResponseMatrix& matrix, Experiment experiment) {
       return count_weighted(matrix, draw_subjects(matrix.subjects(), experiment, number, params.seed));
     };
-    add_resample(sums, columns, counts(artifact, Experiment::kArtifact),
+    add_resample(sums, result, columns, counts(artifact, Experiment::kArtifact),
                  counts(material, Experiment::kMaterial));
   }
   return sums;
@@ -292,25 +298,25 @@ std::vector<ColumnSlots> make_column_slots(const Study& study, const std::vector
 
 }  // namespace
 
-std::vector<ColumnUncertainty> find_uncertainty(const Study& study,
-                                                const std::vector<ColumnFinding>& findings,
-                                                const ResponseMatrix& artifact,
-                                                const ResponseMatrix& material,
-                                                const UncertaintyParams& params) {
+Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
+                             const ResponseMatrix& artifact, const ResponseMatrix& material,
+                             const UncertaintyParams& params) {
   EQ_CHECK(params.posterior_draws > 0 && params.resamples > 0, params.posterior_draws, params.resamples);
   const std::vector<ColumnSlots> columns = make_column_slots(study, findings, artifact, material);
-  std::vector<ColumnUncertainty> results(findings.size());
+  Uncertainty result;
+  result.columns.resize(findings.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    results[c].status = find_status(findings[c], columns[c], artifact.subjects(), material.subjects());
+    ColumnUncertainty& column = result.columns[c];
+    column.status = find_status(findings[c], columns[c], artifact.subjects(), material.subjects());
     if (columns[c].artifact.cells.empty() || columns[c].material.cells.empty()) continue;
-    find_posterior(results[c], findings[c].column, columns[c], params);
+    find_posterior(column, findings[c].column, columns[c], params);
   }
-  const std::vector<ResampleSums> sums = resample(columns, artifact, material, params);
+  const std::vector<ResampleSums> sums = resample(result, columns, artifact, material, params);
   for (std::size_t c = 0; c < columns.size(); ++c)
-    take_sums(results[c], sums[c], artifact.subjects() > 1, material.subjects() > 1);
-  find_flips(results, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);
-  find_flips(results, columns, material, &ColumnSlots::material, &RuleUncertainty::material_flips);
-  return results;
+    take_sums(result.columns[c], sums[c], artifact.subjects() > 1, material.subjects() > 1);
+  find_flips(result.columns, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);
+  find_flips(result.columns, columns, material, &ColumnSlots::material, &RuleUncertainty::material_flips);
+  return result;
 }
 
 bool is_any_equivalent(const Threshold& artifact, const Threshold& material) {

@@ -52,14 +52,22 @@ struct ColumnUncertainty {
   const RuleUncertainty& under(Rule rule) const { return by_rule[static_cast<std::size_t>(rule)]; }
 };
 
-/// One for each finding, in its order. Subjects are drawn with replacement, in each experiment by itself;
+/// EE of a column in a resample.
+enum class Resampled : std::uint8_t { kNone, kExists, kUntested };
+
+struct Uncertainty {
+  std::vector<ColumnUncertainty> columns;  ///< one for each finding, in its order
+  /// EE of every resample, for what is computed over columns. shape: by rule in order of kRules; resamples x
+  /// columns, row by row.
+  std::array<std::vector<Resampled>, 2> resamples;
+};
+
+/// Subjects are drawn with replacement, in each experiment by itself;
 /// flagged cells of a draw go through the same column rules as counts. The same answers and seed give the
 /// same numbers in whatever order they come. source: Efron and Tibshirani 1993, chapters 6, 11 and 13.
-std::vector<ColumnUncertainty> find_uncertainty(const Study& study,
-                                                const std::vector<ColumnFinding>& findings,
-                                                const ResponseMatrix& artifact,
-                                                const ResponseMatrix& material,
-                                                const UncertaintyParams& params);
+Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
+                             const ResponseMatrix& artifact, const ResponseMatrix& material,
+                             const UncertaintyParams& params);
 
 /// True iff some level is free of artifacts and of the same material.
 bool is_any_equivalent(const Threshold& artifact, const Threshold& material);

@@ -23,7 +23,8 @@ struct Answered {
   }
   std::vector<ColumnUncertainty> disturb(const UncertaintyParams& params) const {
     return find_uncertainty(study, find(), make_response_matrix(artifact), make_response_matrix(material),
-                            params);
+                            params)
+        .columns;
   }
 };
 
