@@ -243,4 +243,10 @@ std::string format_mark(SubjectMark mark) {
   return "disagrees";
 }
 
+std::string format_marks(const std::vector<SubjectMark>& marks) {
+  std::vector<std::string> names;
+  for (const SubjectMark mark : marks) names.push_back(format_mark(mark));
+  return fmt::format("{}", fmt::join(names, " "));
+}
+
 }  // namespace equilux

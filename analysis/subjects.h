@@ -69,5 +69,7 @@ OrderEffect find_order_effect(const std::vector<SessionSummary>& summaries, std:
 std::vector<std::optional<double>> find_agreement(const ResponseMatrix& matrix);
 
 std::string format_mark(SubjectMark mark);
+/// "side fast"
+std::string format_marks(const std::vector<SubjectMark>& marks);
 
 }  // namespace equilux

@@ -16,10 +16,11 @@ namespace {
 struct Answered {
   Study study;
   std::vector<AnswerRow> artifact, material;
-  const Selection* selection = nullptr;
+  std::optional<Selection> selection = std::nullopt;
 
   std::vector<ColumnFinding> find() const {
-    return find_equivalence(study, tally_answers(artifact, study), tally_answers(material, study), selection);
+    return find_equivalence(study, tally_answers(artifact, study), tally_answers(material, study),
+                            selection ? &*selection : nullptr);
   }
   std::vector<ColumnUncertainty> disturb(const UncertaintyParams& params) const {
     return find_uncertainty(study, find(), make_response_matrix(artifact), make_response_matrix(material),
@@ -29,7 +30,7 @@ struct Answered {
 };
 
 Answered from(const PlantedStudy& planted) {
-  return {planted.study, planted.artifact, planted.material, &planted.selection};
+  return {planted.study, planted.artifact, planted.material, planted.selection};
 }
 
 // Probability that level i is the first free one, and that level j is the last unchanged one, cells being
