@@ -7,8 +7,12 @@
 #include <set>
 #include <thread>
 
+#include "analysis/answers_export.h"
+#include "analysis/figure.h"
 #include "analysis/prune.h"
+#include "analysis/report_tables.h"
 #include "analysis/tables.h"
+#include "analysis/window_choice.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
@@ -212,8 +216,60 @@ int run_report(const AnalyzeParams& params) {
   const auto reports = load_reports(params);
   const StudyFolder first{params.study_folders.front()};
   const auto page = write_report(reports, params.out.empty() ? first.report_folder() : params.out);
+  if (params.plot) draw_figures(reports, page.parent_path());
   for (const Report& report : reports) print_study(report, reports.size() == 1);
   fmt::print("report: {}\n", page.string());
+  return kExitOk;
+}
+
+int run_export(const AnalyzeParams& params) {
+  AnalyzeParams cheap = params;
+  cheap.uncertainty = {params.uncertainty.seed, 1, 1};
+  const auto reports = load_reports(cheap);
+  const ReportTable table{"answers.csv", make_answers_table(reports)};
+  make_folder(params.out);
+  save_text(params.out / table.file, format_csv(table.table));
+  save_text(params.out / "csv-metadata.json", format_json(make_csv_metadata({table})));
+  fmt::print("{} answers: {}\n", table.table.rows.size(), (params.out / table.file).string());
+  return kExitOk;
+}
+
+int run_plan(const std::filesystem::path& source, const SubjectPlanParams& params,
+             const std::filesystem::path& out) {
+  const Study study =
+      std::filesystem::is_directory(source) ? load_folder_study(StudyFolder{source}) : load_study(source);
+  const Truth truth = load_truth(study.truth_path, study);
+  const auto rows = simulate_plan(study, truth, load_windows(study.windows_path, study), params);
+  fmt::print(
+      "study {}: {} simulated studies for each number, rule {}, slope {} levels, lapse rate {}, seed {}\n{}",
+      study.name, params.studies, format_rule(params.rule), params.slope, truth.lapse_rate, params.seed,
+      format_plan(rows, find_true_width(study, truth)));
+  if (out.empty()) return kExitOk;
+  write_plan(rows, out);
+  fmt::print("wrote plan.csv, plan.svg and plan.pdf to {}\n", out.string());
+  return kExitOk;
+}
+
+int run_windows(const AnalyzeParams& params, const std::filesystem::path& prediction) {
+  const StudyFolder folder{params.study_folders.front()};
+  const Study study = load_folder_study(folder);
+  if (path_exists(params.out))
+    throw InputError(params.out.string(), "", "a name that is free: windows may be edited by hand", "a file");
+  const Windows standing = load_windows(folder.windows(), study);
+  const bool predicted = !prediction.empty();
+  const Tally tally = predicted
+                          ? parse_prediction(load_text(prediction), prediction.string(), study)
+                          : tally_answers(load_evidence(folder, study, params.kind).artifact.answers, study);
+  const auto windows = choose_windows(study, tally, standing, params.rule,
+                                      predicted ? WindowOrigin::kPredicted : WindowOrigin::kPilot);
+  save_text(params.out, format_windows(windows, study,
+                                       predicted ? "Chosen from a predicted visibility; edit by hand."
+                                                 : "Chosen from a pilot's answers; edit by hand."));
+  load_windows(params.out, study);
+  std::size_t moved = 0;
+  for (const auto& [column, window] : windows)
+    moved += window.first_level != standing.by_column.at(column).first_level ? 1 : 0;
+  fmt::print("{} windows, {} of them other than now: {}\n", windows.size(), moved, params.out.string());
   return kExitOk;
 }
 

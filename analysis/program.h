@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "analysis/plan.h"
 #include "analysis/report.h"
 
 namespace equilux {
@@ -15,6 +16,7 @@ struct AnalyzeParams {
   std::optional<SubjectKind> kind;                   ///< empty: the only one with finished artifact sessions
   Rule rule = Rule::kPaper;
   UncertaintyParams uncertainty;
+  bool plot = true;    ///< draw figure-*.svg and figure-*.pdf by gnuplot
   bool verify = true;  ///< refuse pictures that are not those recorded; false: warn in the report
 };
 
@@ -28,5 +30,19 @@ int run_prune(const AnalyzeParams& params);
 
 /// Writes report/ and prints the EE table. Gives the exit code. errors: InputError, StoreError
 int run_report(const AnalyzeParams& params);
+
+/// Writes answers.csv and its csv-metadata.json into a folder. Gives the exit code. errors: InputError,
+/// StoreError
+int run_export(const AnalyzeParams& params);
+
+/// Simulates and prints how many subjects a study needs; `source` is a study file or folder, `out` a folder
+/// for the table and the plot, empty for none. Gives the exit code. errors: InputError, StoreError
+int run_plan(const std::filesystem::path& source, const SubjectPlanParams& params,
+             const std::filesystem::path& out);
+
+/// Writes windows.json under a new name, from the artifact answers of the folder, or from `prediction` (CSV)
+/// where it is not empty. Gives the exit code. errors: InputError, also where `params.out` is there,
+/// StoreError
+int run_windows(const AnalyzeParams& params, const std::filesystem::path& prediction);
 
 }  // namespace equilux
