@@ -25,7 +25,9 @@ struct Figure {
 
 /// For each study and illumination a row for each geometry and a column for each material (Figures 4, 7 and
 /// 9); for a normalised study with objects of a plain one a row plain and a row normalised (Figure 12).
+/// Figures point into the reports.
 std::vector<Figure> make_figures(const std::vector<Report>& reports);
+std::vector<Figure> make_figures(std::vector<Report>&& reports) = delete;
 
 enum class FigureFormat { kSvg, kPdf };
 
