@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "base/digest.h"
 #include "base/error.h"
 
 namespace equilux {
@@ -96,6 +97,7 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
   Evidence all;
   all.kind = parts.front().kind;
   std::int64_t next = 1;
+  std::multiset<std::string> artifact_digests, material_digests;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (parts[i].kind != all.kind) {
       throw InputError(folders[i], "",
@@ -105,11 +107,13 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
     std::map<std::int64_t, std::int64_t> numbers;
     renumber(parts[i].artifact, numbers, next, folders[i]);
     renumber(parts[i].material, numbers, next, folders[i]);
+    artifact_digests.insert(parts[i].artifact.digest);
+    material_digests.insert(parts[i].material.digest);
     add_part(all.artifact, parts[i].artifact);
     add_part(all.material, parts[i].material);
   }
-  all.artifact.digest = digest_answers(all.artifact.answers);
-  all.material.digest = digest_answers(all.material.answers);
+  all.artifact.digest = digest_text(fmt::format("{}", fmt::join(artifact_digests, "\n")));
+  all.material.digest = digest_text(fmt::format("{}", fmt::join(material_digests, "\n")));
   return all;
 }
 

@@ -16,7 +16,7 @@ struct ExperimentEvidence {
   std::vector<SessionRow> finished;            ///< in order of subject index
   std::vector<AnswerRow> answers;              ///< of the finished sessions
   std::int64_t unfinished = 0;                 ///< sessions left out
-  std::string digest;                          ///< digest_answers
+  std::string digest;                          ///< digest_answers; of a pool, of its logs' digests, sorted
   std::vector<SessionSummary> summaries = {};  ///< of finished and unfinished sessions
 };
 

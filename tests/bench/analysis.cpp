@@ -2,8 +2,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "analysis/evidence.h"
-#include "analysis/uncertainty.h"
+#include "analysis/program.h"
 #include "base/files.h"
 #include "base/random.h"
 #include "protocols/windows.h"
@@ -12,6 +11,7 @@
 
 namespace equilux {
 namespace {
+namespace fs = std::filesystem;
 
 constexpr int kSubjectsPerLog = 21;  // of 480 trials: 10,080 answers a log
 
@@ -58,29 +58,46 @@ double find_peak_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-void measure(const std::vector<StudyFolder>& folders, const Study& study) {
-  std::vector<Evidence> parts;
-  const double load = bench::time_s([&] {
-    for (const StudyFolder& folder : folders) parts.push_back(load_evidence(folder, study, std::nullopt));
-  });
-  std::vector<AnswerRow> answers;
-  std::int64_t session = 0;
-  for (Evidence& part : parts) {
-    for (AnswerRow& row : part.artifact.answers) {
-      row.session += session;
-      answers.push_back(std::move(row));
-    }
-    session += kSubjectsPerLog;
-    part = {};
-  }
-  Tally tally;
-  const double count = bench::time_s([&] { tally = tally_answers(answers, study); });
+// Processor seconds of all threads: what a shared machine does not blur.
+double find_processor_s() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+struct Cost {
+  double wall_s = 0, processor_s = 0;
+};
+
+Cost time_both(const auto& body) {
+  const double before = find_processor_s();
+  Cost cost;
+  cost.wall_s = bench::time_s(body);
+  cost.processor_s = find_processor_s() - before;
+  return cost;
+}
+
+// The whole of `equilux-analyze report --no-plot`, and the parts of it that grow with answers.
+void measure(const std::vector<StudyFolder>& folders, const fs::path& out) {
+  AnalyzeParams params;
+  for (const StudyFolder& folder : folders) params.study_folders.push_back(folder.root);
+  std::vector<Report> reports;
+  const Cost load = time_both([&] { reports = load_reports(params); });
+  const Cost write = time_both([&] { write_report(reports, out); });
+  const Report& report = reports.front();
+  const auto& answers = report.evidence.artifact.answers;
+  const Cost count = time_both([&] { tally_answers(answers, report.study); });
   ResponseMatrix matrix;
-  const double arrange = bench::time_s([&] { matrix = make_response_matrix(answers); });
-  const double disturb = bench::time_s(
-      [&] { find_uncertainty(study, find_equivalence(study, tally, tally, nullptr), matrix, matrix, {}); });
-  fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.0f} |\n", answers.size(), folders.size(),
-             load, count, arrange, disturb, find_peak_mib());
+  const Cost arrange = time_both([&] { matrix = make_response_matrix(answers); });
+  const Cost disturb = time_both([&] {
+    find_uncertainty(report.study, report.findings, matrix, make_response_matrix({}), report.params);
+  });
+  fmt::print("| {} | {} | {:.2f} / {:.2f} | {:.3f} | {:.3f} | {:.2f} | {:.2f} / {:.2f} | {:.0f} |\n",
+             answers.size(), folders.size(), load.wall_s, load.processor_s, count.processor_s,
+             arrange.processor_s, disturb.processor_s, write.wall_s, write.processor_s, find_peak_mib());
 }
 
 void run() {
@@ -94,14 +111,15 @@ void run() {
   const TempFolder temporary;
   std::vector<StudyFolder> folders;
   fmt::print(
-      "| answers | logs | load, s | tally, s | matrix, s | uncertainty, s | peak, MiB "
-      "|\n|---|---|---|---|---|---|---|\n");
+      "| answers | logs | load and judge, s / processor s | tally of it | matrix | resamples | write | peak, "
+      "MiB |\n"
+      "|---|---|---|---|---|---|---|---|\n");
   for (const std::size_t logs : {1, 10, 100}) {
     while (folders.size() < logs) {
       folders.push_back({temporary / std::to_string(folders.size())});
       make_log(folders.back(), study, cells, folders.size());
     }
-    measure(folders, study);
+    measure(folders, temporary / "report");
   }
 }
 
