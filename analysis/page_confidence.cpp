@@ -157,10 +157,11 @@ std::string format_uncertainty(const Report& report) {
              "of both "
              "posterior draws and resamples of subjects share; in {} leaving out a single subject turns it, "
              "and in "
-             "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. Of {} columns in which "
-             "equivalence "
-             "exists, {} are supported.</p>\n",
-             sum.judged, sum.firm, sum.by_one, sum.by_cut, sum.exists, sum.supported) +
+             "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. Equivalence exists in {} "
+             "columns, of "
+             "which {} {} supported.</p>\n",
+             sum.judged, sum.firm, sum.by_one, sum.by_cut, sum.exists, sum.supported,
+             sum.supported == 1 ? "is" : "are") +
          fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
                      format_html_table(table, 99)) +
          fmt::format(
