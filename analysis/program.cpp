@@ -192,6 +192,7 @@ std::vector<Report> load_reports(const AnalyzeParams& params) {
   for (auto& [digest, readings] : by_study) reports.push_back(pool_readings(std::move(readings), params));
   sort_reports(reports);
   check_kinds(reports);
+  add_normalisation_trends(reports);
   return reports;
 }
 

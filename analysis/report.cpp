@@ -226,6 +226,20 @@ void sort_reports(std::vector<Report>& reports) {
   }
 }
 
+void add_normalisation_trends(std::vector<Report>& reports) {
+  for (Report& normalised : reports) {
+    if (!normalised.study.normalise) continue;
+    for (const Report& plain : reports) {
+      if (plain.study.normalise) continue;
+      const Trend trend = compare_studies(
+          {plain.study.name, plain.findings, plain.uncertainty},
+          {normalised.study.name, normalised.findings, normalised.uncertainty}, normalised.rule);
+      if (trend.status != TrendStatus::kNoPairs) normalised.trends.push_back(trend);
+    }
+    adjust_trends(normalised.trends);
+  }
+}
+
 fs::path write_report(const std::vector<Report>& reports, const fs::path& folder) {
   make_folder(folder);
   const auto tables = make_report_tables(reports);

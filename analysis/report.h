@@ -89,6 +89,10 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
 /// for two of one name.
 void sort_reports(std::vector<Report>& reports);
 
+/// Adds to each normalised study the trend from each plain one that has columns of it, read together with its
+/// other trends.
+void add_normalisation_trends(std::vector<Report>& reports);
+
 /// Writes the tables of all studies together (docs/analysis.md says what each column means, and so does
 /// csv-metadata.json), report.json, a graph for each object and index.html, each only whole. The bytes depend
 /// on the reports and the program's version alone. Gives the path of index.html.

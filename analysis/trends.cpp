@@ -271,18 +271,43 @@ std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFindi
   ask_illuminations(questions, study, findings);
   const auto resamples = fill_dropped(uncertainty.resamples[static_cast<std::size_t>(rule)], findings, rule);
   std::vector<Trend> trends;
+  for (const Question& question : questions) trends.push_back(answer(question, findings, rule, resamples));
+  adjust_trends(trends);
+  return trends;
+}
+
+void adjust_trends(std::vector<Trend>& trends) {
   std::vector<double> p_values;
-  for (const Question& question : questions) {
-    trends.push_back(answer(question, findings, rule, resamples));
-    p_values.push_back(trends.back().p);
-  }
+  for (const Trend& trend : trends) p_values.push_back(trend.p);
   const auto adjusted = adjust_holm(p_values);
   for (std::size_t i = 0; i < trends.size(); ++i) {
     trends[i].p_holm = adjusted[i];
     const auto& interval = trends[i].interval;
     trends[i].holds = adjusted[i] <= kTrendLevel && interval && (interval->lower > 0 || interval->upper < 0);
   }
-  return trends;
+}
+
+Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule rule) {
+  Question question{"study", from.name, to.name, {}};
+  const Columns columns(from.findings);
+  std::vector<ColumnFinding> findings = from.findings;
+  for (const ColumnFinding& finding : to.findings) {
+    const std::size_t place = columns.place_of(finding.column);
+    if (place != kAbsent) question.strata.push_back({place, findings.size()});
+    findings.push_back(finding);
+  }
+  const auto r = static_cast<std::size_t>(rule);
+  const auto& earlier = from.uncertainty.resamples[r];
+  const auto& later = to.uncertainty.resamples[r];
+  std::vector<Resampled> rows;
+  for (std::size_t a = 0, b = 0; a < earlier.size(); a += from.findings.size(), b += to.findings.size()) {
+    EQ_CHECK(b + to.findings.size() <= later.size(), b, later.size());
+    rows.insert(rows.end(), earlier.data() + a, earlier.data() + a + from.findings.size());
+    rows.insert(rows.end(), later.data() + b, later.data() + b + to.findings.size());
+  }
+  std::vector<Trend> trends{answer(question, findings, rule, fill_dropped(std::move(rows), findings, rule))};
+  adjust_trends(trends);
+  return trends.front();
 }
 
 std::string describe_trend(const Trend& trend) {

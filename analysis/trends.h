@@ -21,7 +21,7 @@ enum class TrendStatus {
 /// EE along levels of one factor, everything else equal. A stratum is a set of columns that differ in that
 /// factor alone, in the order of its levels.
 struct Trend {
-  std::string factor;  ///< vpls, geometry, material, illumination
+  std::string factor;  ///< vpls, geometry, material, illumination, study
   std::string from;    ///< first level
   std::string to;      ///< last level; more than two are named by their ends
   TrendStatus status = TrendStatus::kNoPairs;
@@ -43,6 +43,20 @@ inline constexpr double kTrendLevel = 0.05;
 /// source: Jonckheere's statistic within strata, its permutation distribution by convolution; Holm 1979.
 std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFinding>& findings, Rule rule,
                                const Uncertainty& uncertainty);
+
+/// A study whose columns are compared with those of the same name in another.
+struct ComparedStudy {
+  std::string name;
+  const std::vector<ColumnFinding>& findings;
+  const Uncertainty& uncertainty;
+};
+
+/// EE from one study to another, as from plain to normalised pictures: factor `study`, a pair for each column
+/// that both have. Both need as many resamples. p_holm is p; adjust_trends allows for others.
+Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule rule);
+
+/// Sets p_holm and holds of trends that are read together.
+void adjust_trends(std::vector<Trend>& trends);
 
 /// P(|S| >= |statistic|) where S adds up, over strata, the later less the earlier EE of each pair, and the
 /// `ones` of `size` places with EE lie in every order equally often.

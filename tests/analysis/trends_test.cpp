@@ -137,6 +137,27 @@ TEST(Trends, of_a_study_of_one_level_are_not_asked) {
     EXPECT_TRUE(trend.factor == "vpls" || trend.factor == "geometry") << trend.factor;
 }
 
+// The normalised study has MR on G0..G3 at three counts, indirect-only: twelve columns of the paper's 120.
+TEST(Trends, from_plain_to_normalised_pair_the_columns_that_both_have) {
+  const Case plain = make_case("paper", [](const Column&) { return false; });
+  const Case normalised = make_case("normalisation", [](const Column&) { return true; });
+  const Trend trend =
+      compare_studies({"paper", plain.findings, plain.uncertainty},
+                      {"normalisation", normalised.findings, normalised.uncertainty}, Rule::kPaper);
+  EXPECT_EQ(trend.factor, "study");
+  EXPECT_EQ(trend.pairs, 12);
+  EXPECT_EQ(trend.gained, 12);
+  EXPECT_EQ(trend.effect, 1);
+  EXPECT_EQ(trend.interval, (Interval{1, 1}));
+  EXPECT_NEAR(trend.p, std::ldexp(1.0, -11), 1e-15);
+  EXPECT_TRUE(trend.holds);
+  const Case other = make_case("pocket", [](const Column&) { return true; });
+  EXPECT_EQ(compare_studies({"pocket", other.findings, other.uncertainty},
+                            {"normalisation", normalised.findings, normalised.uncertainty}, Rule::kPaper)
+                .status,
+            TrendStatus::kNoPairs);
+}
+
 TEST(Trends, do_not_hold_where_other_subjects_could_have_given_the_opposite) {
   Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
   const auto row = made.uncertainty.resamples[0];
