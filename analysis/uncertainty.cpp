@@ -13,7 +13,8 @@
 namespace equilux {
 namespace {
 
-constexpr std::int64_t kDrawScale = std::int64_t{1} << 30;  ///< a drawn proportion as k of n of this order
+// A drawn proportion as k of n of this order: products of the sums of two pools of a column stay below 2^63.
+constexpr std::int64_t kDrawScale = std::int64_t{1} << 28;
 
 // A column of one experiment whose counts can be replaced without looking for its cells again.
 struct Slots {

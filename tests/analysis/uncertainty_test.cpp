@@ -105,6 +105,26 @@ double eval_upper_tail(int k, int n, double p) {
   return tail;
 }
 
+// A column tested at all eleven levels, whose proportions are all alike: pools of draws grow long, and their
+// products large. The isotonic posterior then lies between one and none, on the side of the truth; seed 5,
+// 2,000 draws.
+TEST(Posterior, of_long_pools_stays_on_the_side_of_the_counts) {
+  for (const bool low : {true, false}) {
+    Answered answered = make_two_cells(0, 0, 0, 0);
+    const Column column = enumerate_columns(answered.study).front();
+    for (int subject = 0; subject < 40; ++subject) {
+      for (int level = 0; level < 11; ++level) {
+        answered.artifact.push_back(
+            {subject + 1, subject, {column, level, false}, subject < (low ? 20 : 38)});
+        answered.material.push_back({subject + 1, subject, {column, level, false}, subject < 20});
+      }
+    }
+    const auto isotonic = answered.disturb({5, 2000, 10}).front().under(Rule::kIsotonic);
+    EXPECT_EQ(*isotonic.posterior > 0.95, low) << *isotonic.posterior;
+    EXPECT_EQ(*isotonic.posterior < 0.05, !low) << *isotonic.posterior;
+  }
+}
+
 // A resample of n subjects of whom k are right is Bin(n, k / n); EE is: neither cell flagged. Seed 4, 20,000
 // resamples, four standard errors.
 TEST(Bootstrap, over_subjects_of_one_cell_is_binomial) {
