@@ -132,7 +132,7 @@ class IgnoredPipeSignal {
 
 int run_gnuplot(const std::string& commands) {
   const IgnoredPipeSignal ignored;
-  FILE* pipe = popen("gnuplot", "w");
+  FILE* pipe = popen("command -v gnuplot >/dev/null || exit 127; exec gnuplot", "w");
   if (!pipe) return -1;
   std::fwrite(commands.data(), 1, commands.size(), pipe);
   const int status = pclose(pipe);
