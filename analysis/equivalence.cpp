@@ -27,10 +27,11 @@ Verdict verdict_of(const RuleFinding& finding, bool dropped) {
                                                                            : Verdict::kNone;
 }
 
-RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bool has_material) {
+RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bool has_material,
+                  int percent) {
   RuleFinding finding;
-  finding.artifact = find_threshold(column.artifact, Experiment::kArtifact, rule);
-  finding.material = find_threshold(column.material, Experiment::kMaterial, rule);
+  finding.artifact = find_threshold(column.artifact, Experiment::kArtifact, rule, percent);
+  finding.material = find_threshold(column.material, Experiment::kMaterial, rule, percent);
   const auto kept = keep_levels(finding.artifact, study.clamp_levels);
   for (std::size_t i = 0; i < study.clamp_levels.size(); ++i) {
     const int level = study.clamp_levels[i];
@@ -56,7 +57,7 @@ bool is_dropped(const Selection* selection, const Column& column) {
 }  // namespace
 
 std::vector<ColumnFinding> find_equivalence(const Study& study, const Tally& artifact, const Tally& material,
-                                            const Selection* selection) {
+                                            const Selection* selection, int percent) {
   const bool has_material = count_answers(material) > 0;
   std::vector<ColumnFinding> findings;
   for (const Column& column : enumerate_columns(study)) {
@@ -66,7 +67,7 @@ std::vector<ColumnFinding> find_equivalence(const Study& study, const Tally& art
     finding.material = counts_of(material, column, study);
     finding.dropped = is_dropped(selection, column);
     for (const Rule rule : kRules) {
-      finding.by_rule[static_cast<std::size_t>(rule)] = judge(finding, study, rule, has_material);
+      finding.by_rule[static_cast<std::size_t>(rule)] = judge(finding, study, rule, has_material, percent);
     }
     findings.push_back(std::move(finding));
   }

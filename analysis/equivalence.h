@@ -44,9 +44,9 @@ struct ColumnFinding {
 };
 
 /// Findings in the order of the study's columns. `selection` says which columns were dropped; null before
-/// pruning.
+/// pruning. `percent` correct is where a cell is flagged.
 std::vector<ColumnFinding> find_equivalence(const Study& study, const Tally& artifact, const Tally& material,
-                                            const Selection* selection);
+                                            const Selection* selection, int percent = kFlagPercent);
 
 std::string format_region(Region region);
 

@@ -2,11 +2,51 @@
 #include "analysis/evidence.h"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <set>
 
+#include "base/digest.h"
 #include "base/error.h"
 
 namespace equilux {
+namespace {
+
+template <typename T>
+void append(std::vector<T>& all, std::vector<T>& more) {
+  all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  more = {};
+}
+
+// Numbers of sessions in one log to numbers in the pool.
+void renumber(ExperimentEvidence& part, std::map<std::int64_t, std::int64_t>& numbers, std::int64_t& next,
+              const std::string& folder) {
+  const auto number_of = [&](std::int64_t session) {
+    const auto [entry, is_new] = numbers.try_emplace(session, next);
+    next += is_new ? 1 : 0;
+    return entry->second;
+  };
+  for (SessionRow& row : part.finished) row.id = number_of(row.id);
+  for (SessionSummary& summary : part.summaries) {
+    summary.session = number_of(summary.session);
+    summary.folder = folder;
+  }
+  std::int64_t before = 0, after = 0;
+  for (AnswerRow& answer : part.answers) {
+    if (answer.session != before || after == 0) after = number_of(before = answer.session);
+    answer.session = after;
+  }
+}
+
+void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
+  append(all.finished, part.finished);
+  append(all.answers, part.answers);
+  append(all.summaries, part.summaries);
+  all.unfinished += part.unfinished;
+}
+
+}  // namespace
+
 SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
                         const std::string& source) {
   std::set<SubjectKind> kinds;
@@ -49,6 +89,43 @@ ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, Subj
   std::sort(evidence.finished.begin(), evidence.finished.end(),
             [](const auto& a, const auto& b) { return a.subject_index < b.subject_index; });
   return evidence;
+}
+
+Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::string>& folders) {
+  EQ_CHECK(!parts.empty() && parts.size() == folders.size(), parts.size(), folders.size());
+  if (parts.size() == 1) return std::move(parts.front());
+  Evidence all;
+  all.kind = parts.front().kind;
+  std::int64_t next = 1;
+  std::multiset<std::string> artifact_digests, material_digests;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].kind != all.kind) {
+      throw InputError(folders[i], "",
+                       fmt::format("answers of the kind {}, as in {}", format_kind(all.kind), folders[0]),
+                       format_kind(parts[i].kind));
+    }
+    std::map<std::int64_t, std::int64_t> numbers;
+    renumber(parts[i].artifact, numbers, next, folders[i]);
+    renumber(parts[i].material, numbers, next, folders[i]);
+    artifact_digests.insert(parts[i].artifact.digest);
+    material_digests.insert(parts[i].material.digest);
+    add_part(all.artifact, parts[i].artifact);
+    add_part(all.material, parts[i].material);
+  }
+  all.artifact.digest = digest_text(fmt::format("{}", fmt::join(artifact_digests, "\n")));
+  all.material.digest = digest_text(fmt::format("{}", fmt::join(material_digests, "\n")));
+  return all;
+}
+
+ExperimentEvidence leave_out(const ExperimentEvidence& evidence, const std::vector<std::int64_t>& sessions) {
+  const auto is_out = [&](std::int64_t session) {
+    return std::find(sessions.begin(), sessions.end(), session) != sessions.end();
+  };
+  ExperimentEvidence rest = evidence;
+  std::erase_if(rest.finished, [&](const SessionRow& row) { return is_out(row.id); });
+  std::erase_if(rest.answers, [&](const AnswerRow& row) { return is_out(row.session); });
+  std::erase_if(rest.summaries, [&](const SessionSummary& row) { return is_out(row.session); });
+  return rest;
 }
 
 }  // namespace equilux

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/subjects.h"
 #include "experiment/trial_log.h"
 #include "stimuli/study_folder.h"
 
@@ -12,10 +13,11 @@ namespace equilux {
 
 /// One experiment, one kind of subjects.
 struct ExperimentEvidence {
-  std::vector<SessionRow> finished;  ///< in order of subject index
-  std::vector<AnswerRow> answers;    ///< of the finished sessions
-  std::int64_t unfinished = 0;       ///< sessions left out
-  std::string digest;                ///< digest_answers
+  std::vector<SessionRow> finished;            ///< in order of subject index
+  std::vector<AnswerRow> answers;              ///< of the finished sessions
+  std::int64_t unfinished = 0;                 ///< sessions left out
+  std::string digest;                          ///< digest_answers; of a pool, of its logs' digests, sorted
+  std::vector<SessionSummary> summaries = {};  ///< of finished and unfinished sessions
 };
 
 struct Evidence {
@@ -40,6 +42,13 @@ ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, Subj
 
 /// Reads the log of a study folder. errors: InputError without a log or without finished artifact sessions.
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted);
+
+/// Adds the evidence of several logs of one study up; sessions get new numbers 1, 2, ... in the order of
+/// `parts`, and the folder of each beside it. errors: InputError for parts of different kinds.
+Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::string>& folders);
+
+/// The evidence without these sessions of an experiment.
+ExperimentEvidence leave_out(const ExperimentEvidence& evidence, const std::vector<std::int64_t>& sessions);
 
 /// Digests of the selections that the material sessions were made from, finished or not, each once.
 std::vector<std::string> find_used_selections(const TrialLog& log, SubjectKind kind);

@@ -141,15 +141,15 @@ bool has_reversed_flags(const RuleFinding& finding) {
 }  // namespace
 
 std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
-                       double scale) {
+                       double scale, const std::string& study) {
   EQ_CHECK(!columns.empty(), format_key(object));
-  const std::string prefix = format_key(object);
+  const std::string key = format_key(object), prefix = key + study;
   const ColumnCounts& first = columns.front()->artifact;
   const int plot_height = kCellHeight * static_cast<int>(first.size());
   const int width = kLeft + kCellWidth * static_cast<int>(columns.size()) + kRight;
   std::string svg = open_svg(width, kTop + plot_height + kBottom, scale,
-                             fmt::format("Regions of {} under the rule {}", prefix, format_rule(rule)));
-  svg += draw_hatches(prefix) + draw_text(kLeft, 14, "start", 11, prefix, R"( font-weight="bold")");
+                             fmt::format("Regions of {} under the rule {}", key, format_rule(rule)));
+  svg += draw_hatches(prefix) + draw_text(kLeft, 14, "start", 11, key, R"( font-weight="bold")");
   svg += draw_axis(first);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const RuleFinding& finding = columns[c]->under(rule);
@@ -171,7 +171,8 @@ std::string draw_graph(const Object& object, const std::vector<const ColumnFindi
   return svg + "</svg>\n";
 }
 
-std::string draw_legend() {
+std::string draw_legend(const std::string& name) {
+  const std::string prefix = "legend" + name;
   struct Entry {
     Region region;
     const char* words;
@@ -181,16 +182,16 @@ std::string draw_legend() {
                            {Region::kBoth, "both"},
                            {Region::kEquivalent, "visually equivalent"},
                            {Region::kUntested, "not tested enough to say"}};
-  std::string svg = open_svg(720, 70, 1, "Key to the graphs") + draw_hatches("legend");
+  std::string svg = open_svg(720, 70, 1, "Key to the graphs") + draw_hatches(prefix);
   double x = 2;
   double y = 4;
   for (const Entry& entry : entries) {
     if (entry.region == Region::kEquivalent) x = 2, y = 27;
-    svg += draw_region("legend", entry.region, x, y, true) + draw_letter(entry.region, x, y, false);
+    svg += draw_region(prefix, entry.region, x, y, true) + draw_letter(entry.region, x, y, false);
     svg += draw_text(x + kCellWidth + 6, y + 11, "start", 10, entry.words);
     x += entry.region == Region::kArtifact ? 225 : entry.region == Region::kChanged ? 275 : 195;
   }
-  svg += draw_region("legend", Region::kEquivalent, x + 55, y, false) +
+  svg += draw_region(prefix, Region::kEquivalent, x + 55, y, false) +
          draw_text(x + 55 + kCellWidth + 6, y + 11, "start", 10, "paler: inferred from tested neighbours");
   svg += draw_dot(8, 58, {9, 12}) + draw_dot(18, 58, {0, 12}) +
          draw_text(28, 61.5, "start", 10,

@@ -11,11 +11,13 @@ namespace equilux {
 /// An SVG element that stands alone in a file or inline in a page: x VPL count, y clamp level with no clamp
 /// at the bottom; a column a count, a cell a level, coloured, hatched and lettered by its region; a dot at
 /// the left for the artifact experiment and at the right for the material experiment, filled where flagged.
-/// `columns` are those of the object, from few to many VPLs; `scale` enlarges the whole.
+/// `columns` are those of the object, from few to many VPLs; `scale` enlarges the whole; `study` keeps the
+/// hatches apart from those of other studies in a page.
 std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
-                       double scale = 1);
+                       double scale = 1, const std::string& study = "");
 
-/// The key to the graphs, drawn with the same hand.
-std::string draw_legend();
+/// The key to the graphs, drawn with the same hand. `name` keeps its hatches apart from those of others in a
+/// page.
+std::string draw_legend(const std::string& name = "");
 
 }  // namespace equilux

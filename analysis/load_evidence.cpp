@@ -13,6 +13,10 @@ ExperimentEvidence load_experiment(const TrialLog& log, const std::vector<Sessio
   ExperimentEvidence evidence = gather_sessions(sessions, kind, experiment, study, source);
   evidence.answers = log.load_answers(kind, experiment);
   evidence.digest = digest_answers(evidence.answers);
+  for (const SessionRow& session : sessions) {
+    if (session.kind == kind && session.experiment == experiment)
+      evidence.summaries.push_back(summarise_session(session, log.load_trials(session.id)));
+  }
   return evidence;
 }
 

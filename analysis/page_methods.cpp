@@ -111,15 +111,23 @@ std::size_t count_measured_references(const Report& report) {
   }));
 }
 
-std::vector<std::string> cell_fields(Experiment experiment, const Cell& cell, const Count& count) {
-  const double proportion = static_cast<double>(count.k) / static_cast<double>(count.n);
+std::string format_interval(const Interval& interval) {
+  return fmt::format("{:.2f} to {:.2f}", interval.lower, interval.upper);
+}
+
+std::vector<std::string> cell_fields(Experiment experiment, const Cell& cell, const Count& count,
+                                     const CellEstimate& estimate) {
   return {format_experiment(experiment),
           escape_xml(format_key(cell)),
           is_flagged(count) ? "&#9679;" : "",
           fmt::format("{}", count.k),
           fmt::format("{}", count.n),
-          fmt::format("{:.3f}", proportion),
-          fmt::format("{:.4f}", *eval_p_guess(count))};
+          fmt::format("{:.3f}", estimate.proportion),
+          format_interval(estimate.clopper_pearson),
+          format_interval(estimate.jeffreys),
+          fmt::format("{:.4f}", estimate.p_guess),
+          fmt::format("{:.4f}", estimate.q_guess),
+          fmt::format("{:.3f}", estimate.posterior_over)};
 }
 
 class DefinitionList {
@@ -298,12 +306,15 @@ std::string format_noise(const Report& report) {
 }
 
 std::string format_cells(const Report& report) {
-  Table table{{"experiment", "cell", "flagged", "k", "n", "proportion correct", "p by guessing"}, {}};
+  Table table{{"experiment", "cell", "flagged", "k", "n", "proportion correct", "Clopper-Pearson", "Jeffreys",
+               "p by guessing", "q", "P(over 75 %)"},
+              {}};
   for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     const Tally& tally = tally_of(report, experiment);
     for (const Cell& cell : enumerate_cells(report.study)) {
-      const Count& count = tally.at(cell);
-      if (count.n > 0) table.rows.push_back(cell_fields(experiment, cell, count));
+      const auto& cells = experiment == Experiment::kArtifact ? report.artifact_cells : report.material_cells;
+      const auto& estimate = cells.at(cell).estimate;
+      if (estimate) table.rows.push_back(cell_fields(experiment, cell, tally.at(cell), *estimate));
     }
   }
   return fmt::format(
@@ -315,6 +326,8 @@ std::string format_cells(const Report& report) {
 std::string format_provenance(const Report& report) {
   DefinitionList list;
   list.add("report made by", fmt::format("equilux-analyze {}", kVersion));
+  list.add("draws", fmt::format("seed {}, {} posterior draws, {} resamples of subjects", report.params.seed,
+                                report.params.posterior_draws, report.params.resamples));
   list.add("study", fmt::format("{}, seed {}", escape_xml(report.study.name), report.study.seed));
   list.add_digests("study digest", {report.study.digest});
   if (report.manifest) list.add("rendering seed", fmt::format("{}", report.manifest->seed));

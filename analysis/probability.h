@@ -1,7 +1,8 @@
-// What chance alone would do: exact tails of the binomial distribution.
+// What is known of a proportion after k of n: exact tails, intervals and the posterior.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "analysis/tally.h"
 
@@ -11,6 +12,10 @@ namespace equilux {
 /// up to n = 62 and so the double nearest to the rational number; by the incomplete beta function beyond.
 std::optional<double> eval_p_guess(const Count& count);
 
+/// Probability at one half of a count at least as far from n / 2, either way; empty where n = 0.
+/// source: R's binom.test(k, n)$p.value.
+std::optional<double> eval_p_two_sided(const Count& count);
+
 inline constexpr double kFlagProportion = 0.75;  ///< proportion correct at which a cell is flagged
 inline constexpr double kSupportLevel = 0.05;    ///< one-sided error of a supported cell
 
@@ -18,5 +23,31 @@ inline constexpr double kSupportLevel = 0.05;    ///< one-sided error of a suppo
 /// kSupportLevel: then the cell is shown to be below the cut (k <= 5 of 12, k <= 7 of 14), not only not shown
 /// to be above it.
 bool is_supported(const Count& count);
+
+/// units: proportion correct, 0 to 1.
+struct Interval {
+  double lower = 0;
+  double upper = 1;
+  bool operator==(const Interval&) const = default;
+};
+
+inline constexpr double kIntervalLevel = 0.95;  ///< of every two-sided interval that is reported
+
+/// Interval that covers the true proportion at least at `level`, whatever it is. Empty where n = 0.
+/// source: Clopper and Pearson 1934; R's binom.test(k, n)$conf.int.
+std::optional<Interval> find_clopper_pearson(const Count& count, double level = kIntervalLevel);
+
+/// Central interval of the posterior from Jeffreys' prior Beta(1/2, 1/2), the lower end 0 where k = 0 and the
+/// upper end 1 where k = n. It covers at `level` on average. Empty where n = 0.
+/// source: Brown, Cai and DasGupta 2001, section 3.2; R's qbeta(p, k + 1/2, n - k + 1/2).
+std::optional<Interval> find_jeffreys(const Count& count, double level = kIntervalLevel);
+
+/// Posterior probability, from the same prior, that the true proportion is at least `proportion`. Empty where
+/// n = 0: then nothing is known but the prior.
+std::optional<double> eval_posterior_over(const Count& count, double proportion = kFlagProportion);
+
+/// Smallest false-discovery rates at which each hypothesis would be rejected, in the order of `p_values`.
+/// source: Benjamini and Hochberg 1995; R's p.adjust(p, "BH").
+std::vector<double> adjust_false_discovery(const std::vector<double>& p_values);
 
 }  // namespace equilux

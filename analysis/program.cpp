@@ -2,10 +2,17 @@
 #include "analysis/program.h"
 
 #include <cstdio>
+#include <future>
+#include <map>
 #include <set>
+#include <thread>
 
+#include "analysis/answers_export.h"
+#include "analysis/figure.h"
 #include "analysis/prune.h"
+#include "analysis/report_tables.h"
 #include "analysis/tables.h"
+#include "analysis/window_choice.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
@@ -69,32 +76,128 @@ std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& stu
   return verify_pictures(folder, study, *manifest, keys);
 }
 
-}  // namespace
+// A study folder as it was found.
+struct FolderReading {
+  std::string name;
+  Study study;
+  Evidence evidence;
+  ReportSources sources;
+  std::vector<std::string> warnings;
+};
 
-Report load_report(const AnalyzeParams& params) {
-  const StudyFolder folder{params.study_folder};
-  const Study study = load_folder_study(folder);
-  Evidence evidence = load_evidence(folder, study, params.kind);
+ReportSources load_sources(const StudyFolder& folder, const Study& study, SubjectKind kind) {
   ReportSources sources;
   sources.selection = load_if_there<Selection>(
-      folder.selection(evidence.kind),
-      [&](const std::filesystem::path& path) { return load_selection(path, study); });
+      folder.selection(kind), [&](const std::filesystem::path& path) { return load_selection(path, study); });
   sources.windows = load_if_there<Windows>(
       folder.windows(), [&](const std::filesystem::path& path) { return load_windows(path, study); });
   sources.manifest = load_if_there<Manifest>(
       folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
   sources.convergences = load_convergences(folder.convergence_folder());
-  const std::vector<Finding> findings = verify_manifest(folder, study, sources.manifest);
+  return sources;
+}
+
+FolderReading read_folder(const StudyFolder& folder, const AnalyzeParams& params) {
+  FolderReading reading;
+  reading.name = folder.root.generic_string();
+  reading.study = load_folder_study(folder);
+  reading.evidence = load_evidence(folder, reading.study, params.kind);
+  reading.sources = load_sources(folder, reading.study, reading.evidence.kind);
+  reading.warnings = find_source_warnings(reading.study, reading.evidence, reading.sources);
+  const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
   if (params.verify) refuse_findings(findings, folder);
-  Report report = make_report(study, std::move(evidence), params.rule, std::move(sources));
   if (!findings.empty())
-    report.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
-                                          format_finding(findings.front())));
+    reading.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
+                                           format_finding(findings.front())));
+  return reading;
+}
+
+// Sorted, so that the order on the command line changes nothing.
+std::vector<std::filesystem::path> sort_folders(const std::vector<std::filesystem::path>& folders) {
+  std::set<std::filesystem::path> sorted;
+  for (const std::filesystem::path& folder : folders) {
+    const auto path = (folder / "").lexically_normal().parent_path();
+    if (!sorted.insert(path.empty() ? folder : path).second)
+      throw InputError(folder.string(), "", "each study folder once", "the same again");
+  }
+  return {sorted.begin(), sorted.end()};
+}
+
+// Logs are read side by side, each by one thread.
+std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
+  const auto folders = sort_folders(params.study_folders);
+  std::vector<FolderReading> readings(folders.size());
+  const std::size_t threads =
+      std::min<std::size_t>(folders.size(), std::max(1U, std::thread::hardware_concurrency()));
+  std::vector<std::future<void>> running;
+  for (std::size_t thread = 0; thread < threads; ++thread) {
+    running.push_back(std::async(std::launch::async, [&, thread] {
+      for (std::size_t i = thread; i < folders.size(); i += threads)
+        readings[i] = read_folder(StudyFolder{folders[i]}, params);
+    }));
+  }
+  for (auto& future : running) future.wait();
+  for (auto& future : running) future.get();
+  return readings;
+}
+
+Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& params) {
+  std::vector<std::string> names, warnings;
+  std::vector<Evidence> evidence;
+  std::vector<ReportSources> sources;
+  for (FolderReading& reading : readings) {
+    for (const std::string& warning : reading.warnings)
+      warnings.push_back(readings.size() > 1 ? reading.name + ": " + warning : warning);
+    names.push_back(reading.name);
+    evidence.push_back(std::move(reading.evidence));
+    sources.push_back(std::move(reading.sources));
+  }
+  Report report =
+      make_pooled_report(readings.front().study, pool_evidence(std::move(evidence), names), params.rule,
+                         pool_sources(std::move(sources)), params.uncertainty, warnings);
+  if (names.size() > 1) report.folders = names;
   return report;
 }
 
+void check_kinds(const std::vector<Report>& reports) {
+  for (const Report& report : reports) {
+    if (report.evidence.kind == reports.front().evidence.kind) continue;
+    throw InputError(report.study.name, "",
+                     fmt::format("answers of the kind {}, as of {}, or --kind to choose",
+                                 format_kind(reports.front().evidence.kind), reports.front().study.name),
+                     format_kind(report.evidence.kind));
+  }
+}
+
+void print_study(const Report& report, bool alone) {
+  if (!alone) fmt::print("study {}\n", report.study.name);
+  fmt::print("{}{}", describe_sessions(report.evidence.artifact, Experiment::kArtifact),
+             describe_sessions(report.evidence.material, Experiment::kMaterial));
+  if (report.evidence.kind == SubjectKind::kPlanted)
+    fmt::print("PLANTED answers: they tell nothing about these pictures\n");
+  for (const std::string& warning : report.warnings) fmt::print("warning: {}\n", warning);
+  fmt::print("{}", format_ee_text(report.study, report.findings, report.rule));
+  for (const Trend& trend : report.trends) {
+    if (trend.holds) fmt::print("trend: {}\n", describe_trend(trend));
+  }
+}
+
+}  // namespace
+
+std::vector<Report> load_reports(const AnalyzeParams& params) {
+  std::map<std::string, std::vector<FolderReading>> by_study;
+  auto all = read_folders(params);
+  for (FolderReading& reading : all) by_study[reading.study.digest].push_back(std::move(reading));
+  std::vector<Report> reports;
+  for (auto& [digest, readings] : by_study) reports.push_back(pool_readings(std::move(readings), params));
+  sort_reports(reports);
+  check_kinds(reports);
+  add_normalisation_trends(reports);
+  return reports;
+}
+
 int run_prune(const AnalyzeParams& params) {
-  const StudyFolder folder{params.study_folder};
+  const StudyFolder folder{params.study_folders.front()};
   const Study study = load_folder_study(folder);
   const Evidence evidence = load_evidence(folder, study, params.kind);
   const Selection fresh = make_selection(study, tally_answers(evidence.artifact.answers, study),
@@ -111,16 +214,63 @@ int run_prune(const AnalyzeParams& params) {
 }
 
 int run_report(const AnalyzeParams& params) {
-  const StudyFolder folder{params.study_folder};
-  const Report report = load_report(params);
-  const auto page = write_report(report, folder.report_folder());
-  fmt::print("{}{}", describe_sessions(report.evidence.artifact, Experiment::kArtifact),
-             describe_sessions(report.evidence.material, Experiment::kMaterial));
-  if (report.evidence.kind == SubjectKind::kPlanted) {
-    fmt::print("PLANTED answers: they tell nothing about these pictures\n");
-  }
-  for (const std::string& warning : report.warnings) fmt::print("warning: {}\n", warning);
-  fmt::print("{}report: {}\n", format_ee_text(report.study, report.findings, report.rule), page.string());
+  const auto reports = load_reports(params);
+  const StudyFolder first{params.study_folders.front()};
+  const auto page = write_report(reports, params.out.empty() ? first.report_folder() : params.out);
+  if (params.plot) draw_figures(reports, page.parent_path());
+  for (const Report& report : reports) print_study(report, reports.size() == 1);
+  fmt::print("report: {}\n", page.string());
+  return kExitOk;
+}
+
+int run_export(const AnalyzeParams& params) {
+  AnalyzeParams cheap = params;
+  cheap.uncertainty = {params.uncertainty.seed, 1, 1};
+  const auto reports = load_reports(cheap);
+  const ReportTable table{"answers.csv", make_answers_table(reports)};
+  make_folder(params.out);
+  save_text(params.out / table.file, format_csv(table.table));
+  save_text(params.out / "csv-metadata.json", format_json(make_csv_metadata({table})));
+  fmt::print("{} answers: {}\n", table.table.rows.size(), (params.out / table.file).string());
+  return kExitOk;
+}
+
+int run_plan(const std::filesystem::path& source, const SubjectPlanParams& params,
+             const std::filesystem::path& out) {
+  const Study study =
+      std::filesystem::is_directory(source) ? load_folder_study(StudyFolder{source}) : load_study(source);
+  const Truth truth = load_truth(study.truth_path, study);
+  const auto rows = simulate_plan(study, truth, load_windows(study.windows_path, study), params);
+  fmt::print(
+      "study {}: {} simulated studies for each number, rule {}, slope {} levels, lapse rate {}, seed {}\n{}",
+      study.name, params.studies, format_rule(params.rule), params.slope, truth.lapse_rate, params.seed,
+      format_plan(rows, find_true_width(study, truth)));
+  if (out.empty()) return kExitOk;
+  write_plan(rows, out);
+  fmt::print("wrote plan.csv, plan.svg and plan.pdf to {}\n", out.string());
+  return kExitOk;
+}
+
+int run_windows(const AnalyzeParams& params, const std::filesystem::path& prediction) {
+  const StudyFolder folder{params.study_folders.front()};
+  const Study study = load_folder_study(folder);
+  if (path_exists(params.out))
+    throw InputError(params.out.string(), "", "a name that is free: windows may be edited by hand", "a file");
+  const Windows standing = load_windows(folder.windows(), study);
+  const bool predicted = !prediction.empty();
+  const Tally tally = predicted
+                          ? parse_prediction(load_text(prediction), prediction.string(), study)
+                          : tally_answers(load_evidence(folder, study, params.kind).artifact.answers, study);
+  const auto windows = choose_windows(study, tally, standing, params.rule,
+                                      predicted ? WindowOrigin::kPredicted : WindowOrigin::kPilot);
+  save_text(params.out, format_windows(windows, study,
+                                       predicted ? "Chosen from a predicted visibility; edit by hand."
+                                                 : "Chosen from a pilot's answers; edit by hand."));
+  load_windows(params.out, study);
+  std::size_t moved = 0;
+  for (const auto& [column, window] : windows)
+    moved += window.first_level != standing.by_column.at(column).first_level ? 1 : 0;
+  fmt::print("{} windows, {} of them other than now: {}\n", windows.size(), moved, params.out.string());
   return kExitOk;
 }
 

@@ -1,9 +1,12 @@
 // Evidence to a report, and a report to report/.
 #include "analysis/report.h"
 
+#include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "analysis/graph.h"
+#include "analysis/report_tables.h"
 #include "analysis/tables.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -27,35 +30,35 @@ void warn_of_digests(std::vector<std::string>& warnings, const std::vector<Sessi
                                  now.substr(0, 12)));
 }
 
-void warn_of_selection(Report& report) {
-  const auto& sessions = report.evidence.material.finished;
+void warn_of_selection(std::vector<std::string>& warnings, const Evidence& evidence,
+                       const std::optional<Selection>& selection) {
+  const auto& sessions = evidence.material.finished;
   if (sessions.empty()) return;
-  if (!report.selection) {
-    report.warnings.push_back(fmt::format(
+  if (!selection) {
+    warnings.push_back(fmt::format(
         "The selection that the material sessions used is missing: there is no selection-{}.json.",
-        format_kind(report.evidence.kind)));
+        format_kind(evidence.kind)));
     return;
   }
-  warn_of_digests(report.warnings, sessions, &SessionDigests::selection, digest_selection(*report.selection),
+  warn_of_digests(warnings, sessions, &SessionDigests::selection, digest_selection(*selection),
                   "a selection");
-  if (report.selection->answers_digest != report.evidence.artifact.digest) {
-    report.warnings.push_back(
+  if (selection->answers_digest != evidence.artifact.digest) {
+    warnings.push_back(
         "The selection was pruned from other artifact answers than those counted here: artifact sessions "
         "were "
         "finished after pruning. The levels that the material experiment tested follow the earlier answers.");
   }
 }
 
-void warn_of_placeholders(Report& report) {
-  if (!report.windows) return;
+void warn_of_placeholders(std::vector<std::string>& warnings, const Windows& windows) {
   std::size_t placeholders = 0;
-  for (const auto& [column, window] : report.windows->by_column) {
+  for (const auto& [column, window] : windows.by_column) {
     placeholders += window.origin == WindowOrigin::kPlaceholder ? 1 : 0;
   }
   if (placeholders == 0) return;
-  report.warnings.push_back(fmt::format(
+  warnings.push_back(fmt::format(
       "The clamp windows of {} of {} columns are placeholders: no pilot, prediction or eye chose them.",
-      placeholders, report.windows->by_column.size()));
+      placeholders, windows.by_column.size()));
 }
 
 void warn_of_uneven_cells(Report& report, const Tally& tally, Experiment experiment) {
@@ -68,19 +71,130 @@ void warn_of_uneven_cells(Report& report, const Tally& tally, Experiment experim
                                         format_experiment(experiment), *sizes.begin(), *sizes.rbegin()));
 }
 
-void warn_of_other_study(Report& report) {
-  if (report.manifest && report.manifest->study_digest != report.study.digest) {
-    report.warnings.push_back("The manifest belongs to another version of the study.");
+// A column is kept where either keeps a level; without a selection in one of them, nothing was dropped.
+void pool_selection(std::optional<Selection>& all, const std::optional<Selection>& part) {
+  if (!all || !part) {
+    all.reset();
+    return;
   }
+  if (digest_selection(*all) == digest_selection(*part)) return;
+  for (std::size_t c = 0; c < all->columns.size(); ++c) {
+    std::vector<int>& levels = all->columns[c].levels;
+    const std::vector<int>& more = part->columns[c].levels;
+    levels.insert(levels.end(), more.begin(), more.end());
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+  }
+}
+
+void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experiment experiment) {
+  if (evidence.unfinished == 0 || evidence.summaries.empty()) return;
+  std::int64_t answered = 0;
+  for (const SessionSummary& summary : evidence.summaries)
+    answered += summary.complete ? 0 : summary.answered;
+  report.warnings.push_back(fmt::format("{} {} sessions were not finished: their {} answers are left out.",
+                                        evidence.unfinished, format_experiment(experiment), answered));
+}
+
+std::vector<std::int64_t> find_marked(const SubjectsReport& subjects) {
+  std::vector<std::int64_t> marked;
+  for (const SubjectFinding& finding : subjects.sessions) {
+    if (!finding.marks.empty()) marked.push_back(finding.summary.session);
+  }
+  return marked;
+}
+
+SubjectsReport report_subjects(ExperimentEvidence& evidence, const ResponseMatrix& matrix,
+                               std::uint64_t seed) {
+  auto& summaries = evidence.summaries;
+  std::sort(summaries.begin(), summaries.end(), [](const SessionSummary& a, const SessionSummary& b) {
+    return std::tie(a.folder, a.subject_index, a.session) < std::tie(b.folder, b.subject_index, b.session);
+  });
+  return {find_subjects(summaries, matrix), find_order_effect(summaries, seed)};
+}
+
+// Verdicts without the sessions that are marked, against those with all.
+std::vector<Column> find_flipped_without_marked(const Report& report) {
+  const auto artifact = find_marked(report.artifact_subjects),
+             material = find_marked(report.material_subjects);
+  if (artifact.empty() && material.empty()) return {};
+  const auto tally = [&](const ExperimentEvidence& evidence, const std::vector<std::int64_t>& marked) {
+    return tally_answers(leave_out(evidence, marked).answers, report.study);
+  };
+  const auto rest = find_equivalence(report.study, tally(report.evidence.artifact, artifact),
+                                     tally(report.evidence.material, material),
+                                     report.selection ? &*report.selection : nullptr);
+  std::vector<Column> flipped;
+  for (std::size_t c = 0; c < rest.size(); ++c) {
+    if (rest[c].under(report.rule).verdict != report.findings[c].under(report.rule).verdict)
+      flipped.push_back(rest[c].column);
+  }
+  return flipped;
+}
+
+void add_uncertainty(Report& report) {
+  const ResponseMatrix artifact = make_response_matrix(report.evidence.artifact.answers);
+  const ResponseMatrix material = make_response_matrix(report.evidence.material.answers);
+  const Selection* selection = report.selection ? &*report.selection : nullptr;
+  report.artifact_cells = find_cell_statistics(report.artifact);
+  report.material_cells = find_cell_statistics(report.material);
+  report.uncertainty = find_uncertainty(report.study, report.findings, artifact, material, report.params);
+  for (std::size_t i = 0; i < kOtherPercents.size(); ++i) {
+    report.at_other_percents[i] =
+        find_equivalence(report.study, report.artifact, report.material, selection, kOtherPercents[i]);
+  }
+  report.trends = find_trends(report.study, report.findings, report.rule, report.uncertainty);
+  report.artifact_subjects = report_subjects(report.evidence.artifact, artifact, report.params.seed);
+  report.material_subjects = report_subjects(report.evidence.material, material, report.params.seed);
+  report.flipped_without_marked = find_flipped_without_marked(report);
 }
 
 }  // namespace
 
-Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources) {
+std::vector<std::string> find_source_warnings(const Study& study, const Evidence& evidence,
+                                              const ReportSources& sources) {
+  std::vector<std::string> warnings;
+  if (sources.manifest && sources.manifest->study_digest != study.digest)
+    warnings.push_back("The manifest belongs to another version of the study.");
+  for (const ConvergenceExhibit& exhibit : sources.convergences) {
+    if (exhibit.convergence.source == study.name) continue;
+    warnings.push_back(fmt::format("Error against run time of {} was measured of {}, not of this study.",
+                                   exhibit.convergence.condition, exhibit.convergence.source));
+  }
+  if (sources.windows) {
+    warn_of_digests(warnings, evidence.artifact.finished, &SessionDigests::windows, sources.windows->digest,
+                    "a windows.json");
+  }
+  warn_of_selection(warnings, evidence, sources.selection);
+  if (sources.windows) warn_of_placeholders(warnings, *sources.windows);
+  return warnings;
+}
+
+ReportSources pool_sources(std::vector<ReportSources> parts) {
+  EQ_CHECK(!parts.empty());
+  ReportSources all = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    ReportSources& part = parts[i];
+    if (!all.windows || !part.windows || all.windows->digest != part.windows->digest) all.windows.reset();
+    pool_selection(all.selection, part.selection);
+    for (ConvergenceExhibit& exhibit : part.convergences) all.convergences.push_back(std::move(exhibit));
+  }
+  return all;
+}
+
+Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources,
+                   const UncertaintyParams& params) {
+  const auto warnings = find_source_warnings(study, evidence, sources);
+  return make_pooled_report(study, std::move(evidence), rule, std::move(sources), params, warnings);
+}
+
+Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources,
+                          const UncertaintyParams& params, const std::vector<std::string>& warnings) {
   Report report;
   report.study = study;
   report.evidence = std::move(evidence);
   report.rule = rule;
+  report.params = params;
   report.artifact = tally_answers(report.evidence.artifact.answers, study);
   report.material = tally_answers(report.evidence.material.answers, study);
   report.selection = std::move(sources.selection);
@@ -89,36 +203,58 @@ Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSourc
   report.convergences = std::move(sources.convergences);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
-  warn_of_other_study(report);
-  for (const ConvergenceExhibit& exhibit : report.convergences) {
-    if (exhibit.convergence.source != study.name)
-      report.warnings.push_back(
-          fmt::format("Error against run time of {} was measured of {}, not of this study.",
-                      exhibit.convergence.condition, exhibit.convergence.source));
-  }
-  if (report.windows) {
-    warn_of_digests(report.warnings, report.evidence.artifact.finished, &SessionDigests::windows,
-                    report.windows->digest, "a windows.json");
-  }
-  warn_of_selection(report);
-  warn_of_placeholders(report);
+  add_uncertainty(report);
+  report.warnings = warnings;
   warn_of_uneven_cells(report, report.artifact, Experiment::kArtifact);
   warn_of_uneven_cells(report, report.material, Experiment::kMaterial);
+  warn_of_left_out(report, report.evidence.artifact, Experiment::kArtifact);
+  warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
   return report;
 }
 
-fs::path write_report(const Report& report, const fs::path& folder) {
+void sort_reports(std::vector<Report>& reports) {
+  std::sort(reports.begin(), reports.end(), [](const Report& a, const Report& b) {
+    if (a.findings.size() != b.findings.size()) return a.findings.size() > b.findings.size();
+    return a.study.name < b.study.name;
+  });
+  for (std::size_t i = 1; i < reports.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (reports[i].study.name == reports[j].study.name)
+        throw InputError(reports[i].study.name, "", "studies of one name to be one study",
+                         "two with different digests");
+    }
+  }
+}
+
+void add_normalisation_trends(std::vector<Report>& reports) {
+  for (Report& normalised : reports) {
+    if (!normalised.study.normalise) continue;
+    for (const Report& plain : reports) {
+      if (plain.study.normalise) continue;
+      const Trend trend = compare_studies(
+          {plain.study.name, plain.findings, plain.uncertainty},
+          {normalised.study.name, normalised.findings, normalised.uncertainty}, normalised.rule);
+      if (trend.status != TrendStatus::kNoPairs) normalised.trends.push_back(trend);
+    }
+    adjust_trends(normalised.trends);
+  }
+}
+
+fs::path write_report(const std::vector<Report>& reports, const fs::path& folder) {
   make_folder(folder);
-  save_text(folder / "cells.csv",
-            format_csv(make_cells_table(report.study, report.artifact, report.material)));
-  save_text(folder / "thresholds.csv", format_csv(make_thresholds_table(report.findings)));
-  save_text(folder / "ee.csv", format_csv(make_ee_table(report.findings)));
-  for (const Object& object : enumerate_objects(report.study)) {
-    save_text(folder / fmt::format("graph-{}.svg", format_key(object)),
-              draw_graph(object, findings_of(report.findings, object), report.rule));
+  const auto tables = make_report_tables(reports);
+  for (const ReportTable& table : tables) save_text(folder / table.file, format_csv(table.table));
+  save_text(folder / "csv-metadata.json", format_json(make_csv_metadata(tables)));
+  save_text(folder / "report.json", format_json(make_report_json(reports)));
+  for (const Report& report : reports) {
+    const std::string study = reports.size() > 1 ? report.study.name + "-" : "";
+    for (const Object& object : enumerate_objects(report.study)) {
+      save_text(folder / fmt::format("graph-{}{}.svg", study, format_key(object)),
+                draw_graph(object, findings_of(report.findings, object), report.rule));
+    }
   }
   fs::path page = folder / "index.html";
-  save_text(page, format_page(report));
+  save_text(page, format_page(reports));
   return page;
 }
 

@@ -1,13 +1,18 @@
 // A report: evidence, findings and warnings as values, and then as files.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "analysis/cell_statistics.h"
 #include "analysis/equivalence.h"
 #include "analysis/evidence.h"
+#include "analysis/trends.h"
+#include "analysis/uncertainty.h"
 #include "stimuli/convergence.h"
 #include "stimuli/manifest.h"
 
@@ -17,6 +22,14 @@ namespace equilux {
 struct ConvergenceExhibit {
   Convergence convergence;
   std::string svg;  ///< empty: it was not drawn
+};
+
+inline constexpr std::array<int, 2> kOtherPercents = {70, 80};  ///< cuts beside kFlagPercent
+
+/// How the subjects of an experiment did.
+struct SubjectsReport {
+  std::vector<SubjectFinding> sessions;  ///< finished and not
+  OrderEffect order;
 };
 
 /// Everything that a report says, before it is drawn. Pure: no clock, no file.
@@ -32,6 +45,19 @@ struct Report {
   std::optional<Manifest> manifest;
   std::vector<ConvergenceExhibit> convergences;
   std::vector<std::string> warnings;  ///< legal, but a reader should know
+
+  UncertaintyParams params;
+  std::map<Cell, CellStatistics> artifact_cells;
+  std::map<Cell, CellStatistics> material_cells;
+  Uncertainty uncertainty;
+  /// Findings with other cuts. shape: as kOtherPercents, then as `findings`.
+  std::array<std::vector<ColumnFinding>, 2> at_other_percents;
+  std::vector<Trend> trends;  ///< under `rule`
+  SubjectsReport artifact_subjects;
+  SubjectsReport material_subjects;
+  /// Columns whose verdict under `rule` would be another without the marked sessions.
+  std::vector<Column> flipped_without_marked;
+  std::vector<std::string> folders = {};  ///< study folders that were pooled, by name; empty: not known
 };
 
 /// What stands beside the answers in the study folder, where it is there.
@@ -42,14 +68,37 @@ struct ReportSources {
   std::vector<ConvergenceExhibit> convergences = {};
 };
 
-/// errors: InputError for answers that the study does not allow.
-Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources);
+/// What a reader should know of the answers beside these sources: sessions made from others, placeholders.
+std::vector<std::string> find_source_warnings(const Study& study, const Evidence& evidence,
+                                              const ReportSources& sources);
 
-/// Writes cells.csv, thresholds.csv, ee.csv, a graph for each object and index.html, each only whole. The
-/// bytes depend on the report and the program's version alone. Gives the path of index.html.
-std::filesystem::path write_report(const Report& report, const std::filesystem::path& folder);
+/// The sources of several folders of one study as one: a column is dropped iff every selection drops it, and
+/// what is not the same in all is left out.
+ReportSources pool_sources(std::vector<ReportSources> parts);
+
+/// errors: InputError for answers that the study does not allow.
+Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources,
+                   const UncertaintyParams& params = {});
+
+/// The same of a pool of logs, whose sources were held against their answers log by log: `warnings` are what
+/// was found.
+Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources,
+                          const UncertaintyParams& params, const std::vector<std::string>& warnings);
+
+/// The studies of a report in their order of reading: most columns first, then by name. errors: InputError
+/// for two of one name.
+void sort_reports(std::vector<Report>& reports);
+
+/// Adds to each normalised study the trend from each plain one that has columns of it, read together with its
+/// other trends.
+void add_normalisation_trends(std::vector<Report>& reports);
+
+/// Writes the tables of all studies together (docs/analysis.md says what each column means, and so does
+/// csv-metadata.json), report.json, a graph for each object and index.html, each only whole. The bytes depend
+/// on the reports and the program's version alone. Gives the path of index.html.
+std::filesystem::path write_report(const std::vector<Report>& reports, const std::filesystem::path& folder);
 
 /// The self-contained page. shape: one HTML document with style and graphs inside.
-std::string format_page(const Report& report);
+std::string format_page(const std::vector<Report>& reports);
 
 }  // namespace equilux

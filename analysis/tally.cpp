@@ -1,30 +1,74 @@
 // Answers to counts; nothing is weighed or judged here but the cut of a single cell.
 #include "analysis/tally.h"
 
-#include <set>
+#include <algorithm>
+#include <functional>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
 
 namespace equilux {
 
-Tally tally_answers(const std::vector<AnswerRow>& answers, const Study& study) {
-  Tally tally;
-  for (const Cell& cell : enumerate_cells(study)) tally[cell] = {};
-  std::set<std::pair<std::int64_t, Cell>> seen;
+namespace {
+
+// Session in the high half, cell in the low: sorted, two answers to one cell are neighbours.
+void check_answered_once(std::vector<std::uint64_t> keys, const std::vector<AnswerRow>& answers,
+                         const std::vector<Cell>& cells) {
+  std::sort(keys.begin(), keys.end());
+  const auto twice = std::adjacent_find(keys.begin(), keys.end());
+  if (twice == keys.end()) return;
+  const Cell& cell = cells[*twice & 0xffffffff];
+  std::vector<std::int64_t> sessions;
   for (const AnswerRow& answer : answers) {
-    const std::string place = fmt::format("session {}", answer.session);
-    const auto found = tally.find(answer.cell);
-    if (found == tally.end()) {
-      throw InputError("answers", place, fmt::format("a cell of the study {}", study.name),
-                       format_key(answer.cell));
-    }
-    if (!seen.emplace(answer.session, answer.cell).second) {
-      throw InputError("answers", place, "one answer to each cell", format_key(answer.cell) + " twice");
-    }
-    ++found->second.n;
-    if (answer.correct) ++found->second.k;
+    if (answer.cell == cell) sessions.push_back(answer.session);
   }
+  std::sort(sessions.begin(), sessions.end());
+  throw InputError("answers",
+                   fmt::format("session {}", *std::adjacent_find(sessions.begin(), sessions.end())),
+                   "one answer to each cell", format_key(cell) + " twice");
+}
+
+std::uint64_t make_answer_key(const AnswerRow& answer, std::uint32_t cell) {
+  return static_cast<std::uint64_t>(answer.session) << 32 | cell;
+}
+
+}  // namespace
+
+std::size_t CellNumbers::Hash::operator()(const Cell& cell) const {
+  const Object& object = cell.column.object;
+  const std::hash<std::string_view> hash;
+  std::size_t value = hash(object.geometry) * 31 + hash(object.material);
+  value = value * 31 + static_cast<std::size_t>(cell.column.vpl_count);
+  return value * 64 + static_cast<std::size_t>(cell.clamp_level) * 4 +
+         static_cast<std::size_t>(object.illumination) * 2 + (cell.normalised ? 1 : 0);
+}
+
+std::uint32_t CellNumbers::number_of(const Cell& cell) {
+  const auto [entry, is_new] = numbers_.try_emplace(cell, static_cast<std::uint32_t>(cells_.size()));
+  if (is_new) cells_.push_back(cell);
+  return entry->second;
+}
+
+Tally tally_answers(const std::vector<AnswerRow>& answers, const Study& study) {
+  CellNumbers numbers;
+  for (const Cell& cell : enumerate_cells(study)) numbers.number_of(cell);
+  std::vector<Count> counts(numbers.cells().size());
+  std::vector<std::uint64_t> keys;
+  keys.reserve(answers.size());
+  for (const AnswerRow& answer : answers) {
+    const std::uint32_t number = numbers.number_of(answer.cell);
+    if (number >= counts.size()) {
+      throw InputError("answers", fmt::format("session {}", answer.session),
+                       fmt::format("a cell of the study {}", study.name), format_key(answer.cell));
+    }
+    keys.push_back(make_answer_key(answer, number));
+    ++counts[number].n;
+    counts[number].k += answer.correct ? 1 : 0;
+  }
+  check_answered_once(std::move(keys), answers, numbers.cells());
+  Tally tally;
+  for (std::size_t i = 0; i < counts.size(); ++i) tally[numbers.cells()[i]] = counts[i];
   return tally;
 }
 
@@ -36,7 +80,7 @@ ColumnCounts counts_of(const Tally& tally, const Column& column, const Study& st
   return counts;
 }
 
-bool is_flagged(const Count& count) { return count.n > 0 && 4 * count.k >= 3 * count.n; }
+bool is_flagged(const Count& count, int percent) { return count.n > 0 && 100 * count.k >= percent * count.n; }
 
 std::int64_t count_answers(const Tally& tally) {
   std::int64_t answers = 0;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <unordered_map>
 #include <vector>
 
 #include "experiment/trial_log.h"
@@ -30,14 +31,33 @@ struct LevelCount {
 /// A column. shape: every clamp level of the study, from least to most clamped.
 using ColumnCounts = std::vector<LevelCount>;
 
+/// Numbers cells 0, 1, 2, ... as they come: what sums over millions of answers are indexed by.
+class CellNumbers {
+ public:
+  /// The cell's number, a new one where it has none.
+  std::uint32_t number_of(const Cell& cell);
+  /// The cells by their numbers.
+  const std::vector<Cell>& cells() const { return cells_; }
+
+ private:
+  struct Hash {
+    std::size_t operator()(const Cell& cell) const;
+  };
+  std::unordered_map<Cell, std::uint32_t, Hash> numbers_;
+  std::vector<Cell> cells_;
+};
+
 /// Adds up the answers of one kind and experiment, in any order. errors: InputError for a cell that the study
 /// does not have, or that one session answered twice.
 Tally tally_answers(const std::vector<AnswerRow>& answers, const Study& study);
 
 ColumnCounts counts_of(const Tally& tally, const Column& column, const Study& study);
 
-/// True iff 4k >= 3n, in integers; an untested cell is never flagged.
-bool is_flagged(const Count& count);
+inline constexpr int kFlagPercent = 75;  ///< correct, at which a cell is flagged
+
+/// True iff 100 k >= percent x n, in integers (4k >= 3n at the study's 75); an untested cell is never
+/// flagged.
+bool is_flagged(const Count& count, int percent = kFlagPercent);
 
 /// Number of answers behind a tally.
 std::int64_t count_answers(const Tally& tally);

@@ -41,10 +41,10 @@ bool are_proportions_monotone(const ColumnCounts& counts, Experiment experiment)
   });
 }
 
-bool are_flags_monotone(const ColumnCounts& counts, Experiment experiment) {
+bool are_flags_monotone(const ColumnCounts& counts, Experiment experiment, int percent) {
   return has_no_break(counts, [&](const Count& earlier, const Count& later) {
-    return experiment == Experiment::kArtifact ? !is_flagged(earlier) && is_flagged(later)
-                                               : is_flagged(earlier) && !is_flagged(later);
+    return experiment == Experiment::kArtifact ? !is_flagged(earlier, percent) && is_flagged(later, percent)
+                                               : is_flagged(earlier, percent) && !is_flagged(later, percent);
   });
 }
 
@@ -53,13 +53,13 @@ void fill_states(Threshold& threshold, std::size_t begin, std::size_t end, Level
 }
 
 // Untested levels less clamped than the cut count as artifacts, more clamped ones as free.
-Threshold cut_artifacts(const ColumnCounts& counts) {
+Threshold cut_artifacts(const ColumnCounts& counts, int percent) {
   Threshold threshold;
   threshold.states.assign(counts.size(), LevelState::kUnknown);
   const auto tested = find_tested(counts);
   if (tested.empty()) return threshold;
   const auto last_flagged = std::find_if(tested.rbegin(), tested.rend(),
-                                         [&](std::size_t i) { return is_flagged(counts[i].count); });
+                                         [&](std::size_t i) { return is_flagged(counts[i].count, percent); });
   const std::size_t first_free = last_flagged == tested.rend() ? tested.front() : *last_flagged + 1;
   fill_states(threshold, 0, first_free, LevelState::kDifferent);
   fill_states(threshold, first_free, counts.size(), LevelState::kSame);
@@ -73,13 +73,13 @@ Threshold cut_artifacts(const ColumnCounts& counts) {
 
 // Unchanged from the first tested level to the last tested one before the first changed; changed from there
 // on. An untested level is unchanged only between two unchanged tested ones.
-Threshold cut_material(const ColumnCounts& counts) {
+Threshold cut_material(const ColumnCounts& counts, int percent) {
   Threshold threshold;
   threshold.states.assign(counts.size(), LevelState::kUnknown);
   const auto tested = find_tested(counts);
   if (tested.empty()) return threshold;
-  const auto changed =
-      std::find_if(tested.begin(), tested.end(), [&](std::size_t i) { return is_flagged(counts[i].count); });
+  const auto changed = std::find_if(tested.begin(), tested.end(),
+                                    [&](std::size_t i) { return is_flagged(counts[i].count, percent); });
   if (changed != tested.end()) fill_states(threshold, *changed, counts.size(), LevelState::kDifferent);
   threshold.status = CutStatus::kNone;
   if (changed == tested.begin()) return threshold;
@@ -139,13 +139,19 @@ ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment expe
   return pooled;
 }
 
-Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule) {
+Threshold find_cut(const ColumnCounts& counts, Experiment experiment, Rule rule, int percent) {
+  const bool pools = rule == Rule::kIsotonic;
+  const ColumnCounts pooled = pools ? pool_adjacent_violators(counts, experiment) : ColumnCounts{};
+  const ColumnCounts& judged = pools ? pooled : counts;
+  return experiment == Experiment::kArtifact ? cut_artifacts(judged, percent) : cut_material(judged, percent);
+}
+
+Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule, int percent) {
   EQ_CHECK(std::is_sorted(counts.begin(), counts.end(),
                           [](const auto& a, const auto& b) { return a.level < b.level; }));
-  const ColumnCounts judged = rule == Rule::kIsotonic ? pool_adjacent_violators(counts, experiment) : counts;
-  Threshold threshold = experiment == Experiment::kArtifact ? cut_artifacts(judged) : cut_material(judged);
+  Threshold threshold = find_cut(counts, experiment, rule, percent);
   threshold.monotone = are_proportions_monotone(counts, experiment);
-  threshold.flags_monotone = are_flags_monotone(counts, experiment);
+  threshold.flags_monotone = are_flags_monotone(counts, experiment, percent);
   return threshold;
 }
 

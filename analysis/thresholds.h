@@ -51,6 +51,11 @@ std::string format_status(CutStatus status);
 /// clamp, material changes rise. Untested levels stay untested. source: Barlow et al. 1972, algorithm PAVA.
 ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment experiment);
 
-Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule);
+/// `percent` correct is where a cell, or under `isotonic` a block, is flagged.
+Threshold find_threshold(const ColumnCounts& counts, Experiment experiment, Rule rule,
+                         int percent = kFlagPercent);
+
+/// The same without looking whether the column is monotone, which draws and resamples need not know.
+Threshold find_cut(const ColumnCounts& counts, Experiment experiment, Rule rule, int percent = kFlagPercent);
 
 }  // namespace equilux

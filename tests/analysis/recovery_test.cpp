@@ -176,8 +176,9 @@ bool false_flags_are_binomial(Experiment experiment, int subjects, const Flag& f
 }
 
 TEST(Spread, of_false_flags_with_12_and_14_subjects_is_binomial) {
-  EXPECT_TRUE(false_flags_are_binomial(Experiment::kArtifact, 12, is_flagged));
-  EXPECT_TRUE(false_flags_are_binomial(Experiment::kMaterial, 14, is_flagged));
+  const Flag flag = [](const Count& count) { return is_flagged(count); };
+  EXPECT_TRUE(false_flags_are_binomial(Experiment::kArtifact, 12, flag));
+  EXPECT_TRUE(false_flags_are_binomial(Experiment::kMaterial, 14, flag));
 }
 
 TEST(Spread, its_check_fails_on_cells_cut_off_by_one) {

@@ -81,21 +81,21 @@ bool is_balanced(const std::string& html) {
 
 TEST(Report, on_planted_answers_says_in_a_banner_that_it_tells_nothing_about_these_pictures) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  EXPECT_TRUE(has(format_page(make_planted_report(planted)), "class=\"banner\""));
-  EXPECT_TRUE(has(format_page(make_planted_report(planted)), "They tell nothing about these pictures."));
+  EXPECT_TRUE(has(format_page({make_planted_report(planted)}), "class=\"banner\""));
+  EXPECT_TRUE(has(format_page({make_planted_report(planted)}), "They tell nothing about these pictures."));
 }
 
 TEST(Report, on_answers_of_persons_has_no_banner_and_on_looking_ones_another) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  EXPECT_FALSE(has(format_page(make_planted_report(planted, SubjectKind::kPerson)), "class=\"banner\""));
-  const std::string looking = format_page(make_planted_report(planted, SubjectKind::kLooking));
+  EXPECT_FALSE(has(format_page({make_planted_report(planted, SubjectKind::kPerson)}), "class=\"banner\""));
+  const std::string looking = format_page({make_planted_report(planted, SubjectKind::kLooking)});
   EXPECT_TRUE(has(looking, "class=\"banner\""));
   EXPECT_FALSE(has(looking, "planted. They"));
 }
 
 TEST(Report, its_page_is_balanced_and_needs_nothing_from_outside) {
   for (const char* name : {"pocket", "paper", "validation", "normalisation"}) {
-    std::string page = format_page(make_planted_report(make_planted_study(name, 12, 14, 1, 0.02)));
+    std::string page = format_page({make_planted_report(make_planted_study(name, 12, 14, 1, 0.02))});
     EXPECT_TRUE(is_balanced(page)) << name;
     for (std::size_t at; (at = page.find("http://www.w3.org/2000/svg")) != std::string::npos;)
       page.erase(at, 26);
@@ -106,7 +106,7 @@ TEST(Report, its_page_is_balanced_and_needs_nothing_from_outside) {
 }
 
 TEST(Report, the_check_of_balance_fails_on_a_lost_end_tag) {
-  std::string page = format_page(make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02)));
+  std::string page = format_page({make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02))});
   page.erase(page.find("</table>"), 8);
   EXPECT_FALSE(is_balanced(page));
 }
@@ -122,12 +122,13 @@ std::map<std::string, std::string> read_folder(const fs::path& folder) {
 TEST(Report, writes_its_tables_a_graph_for_each_object_and_the_page) {
   const Folder folder;
   const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
-  EXPECT_EQ(write_report(report, folder.path / "report"), folder.path / "report" / "index.html");
+  EXPECT_EQ(write_report({report}, folder.path / "report"), folder.path / "report" / "index.html");
   std::set<std::string> names;
   for (const auto& [name, text] : read_folder(folder.path / "report")) names.insert(name);
-  EXPECT_EQ(names, (std::set<std::string>{"cells.csv", "thresholds.csv", "ee.csv", "index.html",
-                                          "graph-G0-MS-ind.svg", "graph-G0-GS-ind.svg", "graph-G2-MS-ind.svg",
-                                          "graph-G2-GS-ind.svg"}));
+  EXPECT_EQ(names, (std::set<std::string>{"cells.csv", "thresholds.csv", "ee.csv", "subjects.csv",
+                                          "order.csv", "trends.csv", "csv-metadata.json", "report.json",
+                                          "index.html", "graph-G0-MS-ind.svg", "graph-G0-GS-ind.svg",
+                                          "graph-G2-MS-ind.svg", "graph-G2-GS-ind.svg"}));
   EXPECT_EQ(parse_csv(load_text(folder.path / "report" / "thresholds.csv"), "test").rows.size(),
             2U * 8U * 2U);
 }
@@ -135,11 +136,11 @@ TEST(Report, writes_its_tables_a_graph_for_each_object_and_the_page) {
 TEST(Report, has_the_same_bytes_for_the_same_answers_in_any_order) {
   PlantedStudy planted = make_planted_study("pocket", 12, 14, 4, 0.02);
   const Folder first, second;
-  write_report(make_planted_report(planted), first.path);
+  write_report({make_planted_report(planted)}, first.path);
   RandomStream random(4, "permutation", 0);
   shuffle(planted.artifact, random);
   shuffle(planted.material, random);
-  write_report(make_planted_report(planted), second.path);
+  write_report({make_planted_report(planted)}, second.path);
   EXPECT_EQ(read_folder(first.path), read_folder(second.path));
 }
 
@@ -150,7 +151,7 @@ TEST(Report, warns_once_artifact_sessions_were_finished_after_pruning) {
   const auto warnings = make_planted_report(planted).warnings;
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_TRUE(has(warnings.front(), "finished after pruning"));
-  EXPECT_TRUE(has(format_page(make_planted_report(planted)), "class=\"warning\""));
+  EXPECT_TRUE(has(format_page({make_planted_report(planted)}), "class=\"warning\""));
 }
 
 TEST(Report, warns_of_a_selection_that_is_missing_or_another_than_the_sessions_used) {
@@ -183,14 +184,14 @@ TEST(Report, before_the_material_experiment_shows_columns_as_not_tested) {
   const Evidence evidence{
       SubjectKind::kPlanted, make_evidence(planted, Experiment::kArtifact, SubjectKind::kPlanted, 12), {}};
   const Report report = make_report(planted.study, evidence, Rule::kPaper, {planted.selection, {}, {}});
-  EXPECT_TRUE(has(format_page(report), "8 are not tested to the end."));
+  EXPECT_TRUE(has(format_page({report}), "8 are not tested to the end."));
   EXPECT_TRUE(report.warnings.empty());
 }
 
 TEST(Report, shows_error_against_run_time_where_it_was_measured) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
   Report report = make_planted_report(planted);
-  EXPECT_FALSE(has(format_page(report), "Error against run time"));
+  EXPECT_FALSE(has(format_page({report}), "Error against run time"));
   Convergence convergence;
   convergence.condition = "G0-MS-ind-1k-C4-v0";
   convergence.reference = "path tracing, <9> paths";
@@ -203,7 +204,7 @@ TEST(Report, shows_error_against_run_time_where_it_was_measured) {
   convergence.points = {slow, fast};
   convergence.advice = {{10, 1}};
   report.convergences = {{convergence, "<svg>'plot'</svg>"}};
-  const std::string page = format_page(report);
+  const std::string page = format_page({report});
   EXPECT_TRUE(has(page, "<h2>Error against run time</h2>"));
   EXPECT_TRUE(
       has(page, "the nearest to the truth is path tracing at faster &amp; better: 1 % rms, in 2.0 s."));
@@ -220,7 +221,7 @@ TEST(Report, says_whether_the_references_met_their_noise_target) {
   Json error;
   error.set("object_mean", 2.5).set("object_p99", 9.25).set("outside_mean", 1.0);
   report.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/x.png", "", "", error};
-  const std::string page = format_page(report);
+  const std::string page = format_page({report});
   EXPECT_TRUE(has(page, "Noise of the references"));
   EXPECT_TRUE(has(page, "<span class=\"missed\">MISSED</span></td><td class=\"number\">9.25"));
   EXPECT_TRUE(has(page, "<span class=\"met\">MET</span></td><td class=\"number\">2.50"));
@@ -233,12 +234,12 @@ TEST(Report, says_how_references_by_vpl_sets_agree_with_path_tracing) {
   Json error, reference, check{Json::Array{}}, row;
   error.set("object_mean", 0.5).set("object_p99", 1.25).set("outside_mean", 1.0);
   report.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/x.png", "", "", error};
-  EXPECT_FALSE(has(format_page(report), "independent VPL sets"));
+  EXPECT_FALSE(has(format_page({report}), "independent VPL sets"));
   check.push(row.set("region", "r1c2").set("z", 3.0));
   check.push(row.set("region", "silhouettes").set("z", -4.0));
   reference.set("method", "compensated").set("check", std::move(check));
   report.manifest->pictures["G0-MS-ind-ref-v0"].reference = std::move(reference);
-  const std::string page = format_page(report);
+  const std::string page = format_page({report});
   EXPECT_TRUE(
       has(page, "In 1 of them the object&rsquo;s indirect light is the mean of independent VPL sets"));
   EXPECT_TRUE(has(page, "over 2 regions the differences are 3.54 standard errors"));
@@ -247,11 +248,11 @@ TEST(Report, says_how_references_by_vpl_sets_agree_with_path_tracing) {
 
 TEST(Report, lists_columns_whose_flags_go_back_and_forth) {
   PlantedStudy planted = make_planted_study("pocket", 12, 14, 3, 0.0);
-  EXPECT_FALSE(has(format_page(make_planted_report(planted)), "so that the rule decides"));
+  EXPECT_FALSE(has(format_page({make_planted_report(planted)}), "so that the rule decides"));
   for (AnswerRow& row : planted.artifact) {
     if (format_key(row.cell) == "G0-MS-ind-1k-C7") row.correct = row.subject_index < 6;
   }
-  const std::string page = format_page(make_planted_report(planted));
+  const std::string page = format_page({make_planted_report(planted)});
   EXPECT_TRUE(has(page, "so that the rule decides"));
   EXPECT_TRUE(has(page, "G0-MS-ind-1k</td><td>artifact"));
 }

@@ -30,7 +30,7 @@ bool agrees_with_rationals(const Flag& flag) {
 }
 
 TEST(Tally, flags_a_cell_exactly_where_the_rational_is_at_least_three_quarters) {
-  EXPECT_TRUE(agrees_with_rationals(is_flagged));
+  EXPECT_TRUE(agrees_with_rationals([](const Count& count) { return is_flagged(count); }));
 }
 
 TEST(Tally, the_check_of_the_cut_fails_on_cuts_off_by_one) {

@@ -21,14 +21,17 @@ using ::testing::StartsWith;
 struct Subcommand {
   std::string program, name;
   bool needs_arguments = true;
+  bool takes_several = false;
 };
 
 const std::vector<Subcommand> kSubcommands = {
-    {"render", "set"},     {"render", "image"},     {"render", "tonemap"},     {"render", "converge"},
-    {"render", "plan"},    {"render", "gather"},    {"render", "submit"},      {"render", "verify"},
-    {"render", "explain"}, {"render", "describe"},  {"render", "prove"},       {"render", "sheet"},
-    {"render", "export"},  {"session", "simulate"}, {"session", "run", false}, {"session", "status"},
-    {"analyze", "prune"},  {"analyze", "report"}};
+    {"render", "set"},      {"render", "image"},     {"render", "tonemap"},
+    {"render", "converge"}, {"render", "plan"},      {"render", "gather"},
+    {"render", "submit"},   {"render", "verify"},    {"render", "explain"},
+    {"render", "describe"}, {"render", "prove"},     {"render", "sheet"},
+    {"render", "export"},   {"session", "simulate"}, {"session", "run", false},
+    {"session", "status"},  {"analyze", "prune"},    {"analyze", "report", true, true},
+    {"analyze", "export"},  {"analyze", "plan"},     {"analyze", "windows"}};
 const std::vector<std::string> kPrograms = {"render", "session", "analyze"};
 
 std::string describe(const std::string& program, const Words& words) {
@@ -92,10 +95,10 @@ TEST(Programs, LeaveWithTwoOnAWrongCommandLine) {
     expect_usage_error(program, {"dance"});
     expect_usage_error(program, {"--dance"});
   }
-  for (const auto& [program, name, needs_arguments] : kSubcommands) {
+  for (const auto& [program, name, needs_arguments, takes_several] : kSubcommands) {
     if (needs_arguments) expect_usage_error(program, {name});
     expect_usage_error(program, {name, "a", "--out", "b", "--experiment", "artifact", "--dance"});
-    expect_usage_error(program, {name, "a", "b", "c"});
+    if (!takes_several) expect_usage_error(program, {name, "a", "b", "c"});
   }
   expect_usage_error("render", {"set", "study.json"});
   expect_usage_error("render", {"image", kCafe});
@@ -105,6 +108,8 @@ TEST(Programs, LeaveWithTwoOnAWrongCommandLine) {
   expect_usage_error("render", {"export", kCafe, "--out", "a.py", "--width", "0"});
   expect_usage_error("analyze", {"report", "a", "--rule", "psychic"});
   expect_usage_error("analyze", {"prune", "a", "--kind", "martian"});
+  expect_usage_error("analyze", {"report", "a", "--resamples", "0"});
+  expect_usage_error("analyze", {"plan", "a", "--subjects", "0"});
 }
 
 TEST(Programs, LeaveWithTwoOnThreadsBeyondTheRange) {

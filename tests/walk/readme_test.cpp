@@ -65,8 +65,10 @@ class Readme : public ::testing::Test {
     const fs::path report = study_ / "report";
     const std::string page = load_text(report / "index.html");
     EXPECT_THAT(page, AllOf(HasSubstr("lanted"), HasSubstr("</html>")));
-    for (const char* name : {"cells.csv", "thresholds.csv", "ee.csv", "graph-G0-MS-ind.svg",
-                             "graph-G0-GS-ind.svg", "graph-G2-MS-ind.svg", "graph-G2-GS-ind.svg"}) {
+    for (const char* name :
+         {"cells.csv", "thresholds.csv", "ee.csv", "subjects.csv", "trends.csv", "report.json",
+          "csv-metadata.json", "figure-pocket-ind.svg", "figure-pocket-ind.pdf", "graph-G0-MS-ind.svg",
+          "graph-G0-GS-ind.svg", "graph-G2-MS-ind.svg", "graph-G2-GS-ind.svg"}) {
       EXPECT_GT(load_text(report / name).size(), 100u) << name;
     }
     EXPECT_EQ(count(load_text(report / "ee.csv"), "\n"), 1 + 8);

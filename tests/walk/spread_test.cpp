@@ -97,7 +97,8 @@ ReportTables walk(const StudyFolder& folder, int seed) {
   run_well("session", {"simulate", root, "--experiment", "artifact", "--subjects", "12", "--seed", text});
   run_well("analyze", {"prune", root, "--kind", "planted"});
   run_well("session", {"simulate", root, "--experiment", "material", "--subjects", "14", "--seed", text});
-  run_well("analyze", {"report", root, "--kind", "planted"});
+  run_well("analyze",
+           {"report", root, "--kind", "planted", "--no-plot", "--draws", "10", "--resamples", "10"});
   return load_report_tables(folder.report_folder());
 }
 
@@ -218,7 +219,7 @@ TEST(Spread, OfSubjectsWhoPreferASideShowsThatSidesAreBalanced) {
     const std::string root = folder.root.string();
     run_well("session", {"simulate", root, "--experiment", "artifact", "--subjects", "12", "--seed",
                          std::to_string(seed)});
-    run_well("analyze", {"report", root});
+    run_well("analyze", {"report", root, "--no-plot", "--draws", "10", "--resamples", "10"});
     for (const Record& row : load_report_tables(folder.report_folder()).cells) {
       if (row.at("n") == "12") observed.at(std::stoul(row.at("k"))) += 1;
     }

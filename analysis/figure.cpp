@@ -1,0 +1,208 @@
+// Findings to gnuplot's commands, and running it.
+#include "analysis/figure.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <sys/wait.h>
+
+#include "analysis/tables.h"
+#include "base/error.h"
+#include "base/files.h"
+
+namespace equilux {
+namespace {
+
+constexpr int kPanelWidth = 190;
+constexpr int kPanelHeight = 210;
+
+struct Look {
+  Region region;
+  const char* letter;
+  const char* colour;
+  const char* hatch;  // gnuplot's fill style over a pale ground of the same colour
+};
+
+constexpr Look kLooks[] = {{Region::kArtifact, "A", "#e79ab0", "transparent pattern 4"},
+                           {Region::kChanged, "M", "#cf4636", "transparent pattern 5"},
+                           {Region::kBoth, "AM", "#c25560", "transparent pattern 2"},
+                           {Region::kEquivalent, "E", "#93cf98", "solid 1.0"},
+                           {Region::kUntested, "?", "#c9c9c4", "solid 0.25"}};
+
+std::string quote(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  return quoted + "'";
+}
+
+FigurePanel make_panel(const Report& report, const Object& object, const std::string& title) {
+  return {title, findings_of(report.findings, object)};
+}
+
+Figure make_grid(const Report& report, Illumination illumination) {
+  const auto materials = enumerate_materials(report.study);
+  Figure figure{fmt::format("figure-{}-{}", report.study.name, format_illumination(illumination)),
+                fmt::format("{}, {}", report.study.name, describe_illumination(illumination)),
+                materials.size(),
+                {}};
+  for (const std::string& geometry : enumerate_geometries(report.study)) {
+    for (const std::string& material : materials) {
+      const Object object{geometry, material, illumination};
+      figure.panels.push_back(make_panel(report, object, fmt::format("{} {}", geometry, material)));
+    }
+  }
+  return figure;
+}
+
+// Objects of the normalised study that the plain one has too: a row each.
+std::optional<Figure> make_normalised(const Report& plain, const Report& normalised) {
+  Figure figure{fmt::format("figure-{}-{}", plain.study.name, normalised.study.name),
+                fmt::format("{} and {}", plain.study.name, normalised.study.name),
+                0,
+                {}};
+  std::vector<FigurePanel> lower;
+  for (const Object& object : enumerate_objects(normalised.study)) {
+    if (findings_of(plain.findings, object).empty()) continue;
+    figure.panels.push_back(make_panel(plain, object, format_key(object)));
+    lower.push_back(make_panel(normalised, object, format_key(object) + ", normalised"));
+  }
+  if (lower.empty()) return std::nullopt;
+  figure.width = lower.size();
+  figure.panels.insert(figure.panels.end(), lower.begin(), lower.end());
+  return figure;
+}
+
+// x, y and half of each side, of the cells of a region.
+std::string format_cells_data(const FigurePanel& panel, Rule rule, Region region) {
+  std::string rows;
+  for (std::size_t x = 0; x < panel.columns.size(); ++x) {
+    const auto& regions = panel.columns[x]->under(rule).regions;
+    for (std::size_t y = 0; y < regions.size(); ++y) {
+      if (regions[y] == region) rows += fmt::format("{} {} 0.5 0.5\n", x + 1, y);
+    }
+  }
+  return rows;
+}
+
+std::string format_axes(const FigurePanel& panel) {
+  std::string x, y;
+  for (std::size_t i = 0; i < panel.columns.size(); ++i) {
+    x += fmt::format("{}'{}' {}", i > 0 ? ", " : "", format_vpl_count(panel.columns[i]->column.vpl_count),
+                     i + 1);
+  }
+  const ColumnCounts& counts = panel.columns.front()->artifact;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    y += fmt::format("{}'{}' {}", i > 0 ? ", " : "", format_clamp(counts[i].level), i);
+  return fmt::format("set xrange [0.5:{}.5]\nset yrange [-0.5:{}.5]\nset xtics ({})\nset ytics ({})\n",
+                     panel.columns.size(), counts.size() - 1, x, y);
+}
+
+std::string format_panel(const FigurePanel& panel, Rule rule) {
+  if (panel.columns.empty()) return "set multiplot next\n";
+  std::string text = fmt::format("set title {} offset 0,-0.7\n", quote(panel.title)) + format_axes(panel);
+  std::string plot, labels;
+  int block = 0;
+  for (const Look& look : kLooks) {
+    const std::string rows = format_cells_data(panel, rule, look.region);
+    if (rows.empty()) continue;
+    text += fmt::format("$b{} << EOD\n{}EOD\n", block, rows);
+    plot += fmt::format("{}$b{} using 1:2:3:4 with boxxyerror fs solid 0.4 noborder fc rgb '{}' notitle",
+                        plot.empty() ? "plot " : ", ", block, look.colour);
+    plot +=
+        fmt::format(", $b{} using 1:2:3:4 with boxxyerror fs {} border lc rgb '#ffffff' fc rgb '{}' notitle",
+                    block, look.hatch, look.colour);
+    labels += fmt::format(", $b{} using 1:2:('{}') with labels font ',8' tc rgb '#1c1c1c' notitle", block,
+                          look.letter);
+    ++block;
+  }
+  return text + plot + labels + "\n";
+}
+
+// A program that ends early closes the pipe: that is an answer, not our death.
+class IgnoredPipeSignal {
+ public:
+  IgnoredPipeSignal() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
+  ~IgnoredPipeSignal() { std::signal(SIGPIPE, before_); }
+  IgnoredPipeSignal(const IgnoredPipeSignal&) = delete;
+  IgnoredPipeSignal& operator=(const IgnoredPipeSignal&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+int run_gnuplot(const std::string& commands) {
+  const IgnoredPipeSignal ignored;
+  FILE* pipe = popen("command -v gnuplot >/dev/null || exit 127; exec gnuplot", "w");
+  if (!pipe) return -1;
+  std::fwrite(commands.data(), 1, commands.size(), pipe);
+  const int status = pclose(pipe);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+constexpr int kNoSuchCommand = 127;
+
+}  // namespace
+
+std::vector<Figure> make_figures(const std::vector<Report>& reports) {
+  std::vector<Figure> figures;
+  for (const Report& report : reports) {
+    for (const Illumination illumination : enumerate_illuminations(report.study))
+      figures.push_back(make_grid(report, illumination));
+  }
+  for (const Report& normalised : reports) {
+    for (const Report& plain : reports) {
+      if (!normalised.study.normalise || plain.study.normalise) continue;
+      if (auto figure = make_normalised(plain, normalised)) figures.push_back(std::move(*figure));
+    }
+  }
+  return figures;
+}
+
+std::string format_terminal(FigureFormat format, int width, int height, const std::filesystem::path& file) {
+  const std::string terminal =
+      format == FigureFormat::kSvg
+          ? fmt::format("svg size {},{} dynamic font 'DejaVu Sans,10' background '#ffffff'", width, height)
+          : fmt::format("pdfcairo size {:.3f}in,{:.3f}in font 'DejaVu Sans,7'", width / 96.0, height / 96.0);
+  return fmt::format("set terminal {}\nset output {}\n", terminal, quote(file.string()));
+}
+
+std::string format_figure(const Figure& figure, Rule rule, FigureFormat format,
+                          const std::filesystem::path& file) {
+  EQ_CHECK(figure.width > 0 && figure.panels.size() % figure.width == 0, figure.width, figure.panels.size());
+  const std::size_t rows = figure.panels.size() / figure.width;
+  std::string text = format_terminal(format, kPanelWidth * static_cast<int>(figure.width),
+                                     kPanelHeight * static_cast<int>(rows) + 60, file);
+  text +=
+      fmt::format("set multiplot layout {},{} rowsfirst title {} noenhanced\n", rows, figure.width,
+                  quote(figure.title +
+                        ": A artifacts, M material looked different, AM both, E equivalent, ? not tested"));
+  text += "set tics scale 0 font ',8'\nset border lc rgb '#666666'\nset termoption noenhanced\n";
+  for (const FigurePanel& panel : figure.panels) text += format_panel(panel, rule);
+  return text + "unset multiplot\n";
+}
+
+void draw_plot(const std::filesystem::path& file,
+               const std::function<std::string(const std::filesystem::path&)>& make) {
+  save_atomically(file, [&](const std::filesystem::path& part) {
+    const int status = run_gnuplot(make(part));
+    if (status == kNoSuchCommand) {
+      throw InputError("gnuplot", "", "one with SVG and PDF (Debian package gnuplot-nox), or --no-plot",
+                       "none");
+    }
+    if (status != 0)
+      throw StoreError(fmt::format("{}: cannot draw: gnuplot ended with status {}", file.string(), status));
+  });
+}
+
+void draw_figures(const std::vector<Report>& reports, const std::filesystem::path& folder) {
+  const Rule rule = reports.front().rule;
+  for (const Figure& figure : make_figures(reports)) {
+    for (const auto& [format, end] : {std::pair(FigureFormat::kSvg, ".svg"), {FigureFormat::kPdf, ".pdf"}}) {
+      const FigureFormat wanted = format;
+      draw_plot(folder / (figure.name + end),
+                [&](const std::filesystem::path& part) { return format_figure(figure, rule, wanted, part); });
+    }
+  }
+}
+
+}  // namespace equilux

@@ -1,0 +1,257 @@
+// The page's doubts: how sure verdicts are, which trends hold, how subjects did, and where numbers come from.
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "analysis/markup.h"
+#include "analysis/page_sections.h"
+#include "analysis/report_tables.h"
+#include "analysis/tables.h"
+
+namespace equilux {
+namespace {
+
+constexpr const char* kDash = "&ndash;";
+
+std::string format_share(const std::optional<double>& value) {
+  return value ? fmt::format("{:.2f}", *value) : kDash;
+}
+
+std::string format_range(const std::optional<CutRange>& range, const Study& study) {
+  if (!range) return kDash;
+  const std::string lower = format_place(range->lower, study), upper = format_place(range->upper, study);
+  return range->lower == range->upper ? lower : fmt::format("{} to {}", lower, upper);
+}
+
+std::string format_small(double p) { return p < 0.0001 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
+
+std::string format_interval(const std::optional<Interval>& interval) {
+  return interval ? fmt::format("{:+.2f} to {:+.2f}", interval->lower, interval->upper) : kDash;
+}
+
+std::string mark_verdict(const RuleFinding& finding) {
+  const char* sign = finding.verdict == Verdict::kExists ? "+"
+                     : finding.verdict == Verdict::kNone ? "&minus;"
+                                                         : "?";
+  return finding.supported.empty() ? sign : std::string(sign) + " supported";
+}
+
+// The subject numbers of a column whose leaving out turns the verdict, both experiments.
+std::string count_flips(const ColumnUncertainty& column, Rule rule) {
+  if (column.status != UncertaintyStatus::kEstimated) return kDash;
+  const RuleUncertainty& under = column.under(rule);
+  return fmt::format("{}", under.artifact_flips.size() + under.material_flips.size());
+}
+
+std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
+  const ColumnFinding& finding = report.findings[c];
+  const ColumnUncertainty& column = report.uncertainty.columns[c];
+  const RuleUncertainty& under = column.under(report.rule);
+  return {escape_xml(format_key(finding.column)),
+          mark_verdict(finding.under(report.rule)),
+          format_share(under.posterior),
+          format_share(under.bootstrap),
+          count_flips(column, report.rule),
+          mark_verdict(report.at_other_percents[0][c].under(report.rule)),
+          mark_verdict(report.at_other_percents[1][c].under(report.rule)),
+          format_range(under.artifact_cut, report.study),
+          format_range(under.material_cut, report.study),
+          column.status == UncertaintyStatus::kEstimated ? "" : format_uncertainty_status(column.status)};
+}
+
+struct Firmness {
+  std::size_t firm = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
+};
+
+// Verdicts that nineteen of twenty resamples and draws share, and those that a trifle turns.
+Firmness count_firm(const Report& report) {
+  Firmness sum;
+  for (std::size_t c = 0; c < report.findings.size(); ++c) {
+    const RuleFinding& finding = report.findings[c].under(report.rule);
+    const RuleUncertainty& under = report.uncertainty.columns[c].under(report.rule);
+    if (finding.verdict == Verdict::kExists) ++sum.exists;
+    if (!finding.supported.empty()) ++sum.supported;
+    if (!under.posterior || !under.bootstrap) continue;
+    ++sum.judged;
+    const bool exists = finding.verdict == Verdict::kExists;
+    const auto sure = [&](double share) { return exists ? share >= 0.95 : share <= 0.05; };
+    sum.firm += sure(*under.posterior) && sure(*under.bootstrap) ? 1 : 0;
+    sum.by_one += under.artifact_flips.empty() && under.material_flips.empty() ? 0 : 1;
+    sum.by_cut += report.at_other_percents[0][c].under(report.rule).verdict != finding.verdict ||
+                          report.at_other_percents[1][c].under(report.rule).verdict != finding.verdict
+                      ? 1
+                      : 0;
+  }
+  return sum;
+}
+
+std::vector<std::string> trend_fields(const Trend& trend) {
+  const std::string name = fmt::format("{}, {} to {}", trend.factor, trend.from, trend.to);
+  if (trend.status == TrendStatus::kNoPairs)
+    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash};
+  return {escape_xml(name),
+          trend.holds ? R"(<span class="met">HOLDS</span>)" : "not shown",
+          fmt::format("{}", trend.pairs),
+          fmt::format("{} / {}", trend.gained, trend.lost),
+          trend.effect ? fmt::format("{:+.2f}", *trend.effect) : kDash,
+          format_interval(trend.interval),
+          format_small(trend.p),
+          format_small(trend.p_holm)};
+}
+
+std::vector<std::string> subject_fields(Experiment experiment, const SubjectFinding& finding) {
+  const SessionSummary& s = finding.summary;
+  const std::int64_t correct = s.first_half.k + s.second_half.k;
+  return {
+      format_experiment(experiment),
+      escape_xml(s.folder.empty() ? s.participant : s.folder + ": " + s.participant),
+      s.complete ? format_marks(finding.marks) : "not finished, left out",
+      fmt::format("{} of {}", s.answered, s.scheduled),
+      s.answered > 0 ? fmt::format("{:.3f}", static_cast<double>(correct) / static_cast<double>(s.answered))
+                     : kDash,
+      s.answered > 0 ? fmt::format("{:.3f}", static_cast<double>(s.left) / static_cast<double>(s.answered))
+                     : kDash,
+      finding.p_side ? format_small(*finding.p_side) : kDash,
+      s.median_response_s ? fmt::format("{:.2f}", *s.median_response_s) : kDash,
+      s.caught.n > 0 ? fmt::format("{} of {}", s.caught.k, s.caught.n) : kDash,
+      format_share(finding.agreement)};
+}
+
+std::string format_order(const OrderEffect& order, Experiment experiment) {
+  const std::string name = format_experiment(experiment);
+  if (!order.correct || !order.p)
+    return fmt::format("<li>{}: {} finished sessions, too few to say.</li>\n", name, order.subjects);
+  return fmt::format(
+      "<li>{}: {} subjects were correct {:+.1f} percentage points more often in the second half than in the "
+      "first (95&nbsp;% interval {:+.1f} to {:+.1f}, p&nbsp;=&nbsp;{} by sign flips){}.</li>\n",
+      name, order.subjects, 100 * *order.correct, 100 * order.interval->lower, 100 * order.interval->upper,
+      format_small(*order.p),
+      order.speed ? fmt::format(", and took {:.2f} times as long for an answer", *order.speed) : "");
+}
+
+std::string format_flipped(const Report& report) {
+  std::size_t marked = 0;
+  for (const auto* subjects : {&report.artifact_subjects, &report.material_subjects}) {
+    marked +=
+        static_cast<std::size_t>(std::count_if(subjects->sessions.begin(), subjects->sessions.end(),
+                                               [](const auto& finding) { return !finding.marks.empty(); }));
+  }
+  if (marked == 0) return "<p>No session is marked.</p>\n";
+  std::vector<std::string> keys;
+  for (const Column& column : report.flipped_without_marked) keys.push_back(escape_xml(format_key(column)));
+  return fmt::format("<p>{} marked sessions count all the same. Without them {}.</p>\n", marked,
+                     keys.empty()
+                         ? "no verdict would be another"
+                         : fmt::format("these verdicts would be another: {}", fmt::join(keys, ", ")));
+}
+
+}  // namespace
+
+std::string format_uncertainty(const Report& report) {
+  Table table{{"column", "EE", "posterior", "resampled", "turned by one", "EE at 70 %", "EE at 80 %",
+               "artifact cut", "material cut", ""},
+              {}};
+  for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
+  const Firmness sum = count_firm(report);
+  return fmt::format(
+             "<p>Of {} columns with answers in both experiments, {} have a verdict that at least 95&nbsp;% "
+             "of both "
+             "posterior draws and resamples of subjects share; in {} leaving out a single subject turns it, "
+             "and in "
+             "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. Equivalence exists in {} "
+             "columns, of "
+             "which {} {} supported.</p>\n",
+             sum.judged, sum.firm, sum.by_one, sum.by_cut, sum.exists, sum.supported,
+             sum.supported == 1 ? "is" : "are") +
+         fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
+                     format_html_table(table, 99)) +
+         fmt::format(
+             "<p class=\"note\">Posterior: probability that equivalence exists, each cell&rsquo;s proportion "
+             "drawn "
+             "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; it grants "
+             "only the "
+             "levels that were tested. Resampled: share of {} samples of subjects, drawn again with "
+             "replacement in "
+             "each experiment, in which it exists; the cuts hold the middle 95&nbsp;% of them, and "
+             "&ldquo;none&rdquo; stands for no level. Turned by one: subjects without any one of whom the "
+             "verdict "
+             "is another. Seed {}. From <code>ee.csv</code> and <code>thresholds.csv</code>.</p>\n",
+             report.params.posterior_draws, report.params.resamples, report.params.seed);
+}
+
+std::string format_trends(const Report& report) {
+  if (report.trends.empty()) return "<p>No factor of this study has two levels.</p>\n";
+  Table table{{"along", "", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm"}, {}};
+  std::string sentences;
+  for (const Trend& trend : report.trends) {
+    table.rows.push_back(trend_fields(trend));
+    if (trend.holds) sentences += fmt::format("{} ", escape_xml(describe_trend(trend)));
+  }
+  return fmt::format("<p>{}</p>\n", sentences.empty() ? "No trend is shown." : sentences) +
+         format_html_table(table, 2) +
+         "<p class=\"note\">Columns that differ in one factor alone are compared in pairs: gained, "
+         "equivalence at "
+         "the later level only; lost, at the earlier only; effect, their difference by all pairs. p is "
+         "exact, two-"
+         "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
+         "trends. The "
+         "interval is of the effect, subjects drawn again. A trend holds iff p by Holm is 0.05 or less and "
+         "the "
+         "interval leaves out 0. From <code>trends.csv</code>.</p>\n";
+}
+
+std::string format_subjects(const Report& report) {
+  Table table{{"experiment", "participant", "marks", "answered", "correct", "left", "p of side", "median, s",
+               "catch", "agreement"},
+              {}};
+  for (const SubjectFinding& finding : report.artifact_subjects.sessions)
+    table.rows.push_back(subject_fields(Experiment::kArtifact, finding));
+  for (const SubjectFinding& finding : report.material_subjects.sessions)
+    table.rows.push_back(subject_fields(Experiment::kMaterial, finding));
+  return format_flipped(report) + "<ul>\n" +
+         format_order(report.artifact_subjects.order, Experiment::kArtifact) +
+         format_order(report.material_subjects.order, Experiment::kMaterial) + "</ul>\n" +
+         fmt::format("<details><summary>Each of the {} sessions</summary>\n{}</details>\n", table.rows.size(),
+                     format_html_table(table, 3)) +
+         "<p class=\"note\">The rules: only finished sessions count; one that was withdrawn or aborted is "
+         "shown here "
+         "and left out everywhere else. A finished one always counts, and is marked where a reader should "
+         "look "
+         "twice: <i>side</i>, left and right differ (two-sided exact p of 0.001 or less); <i>fast</i>, a "
+         "median "
+         "below 0.3&nbsp;s; <i>catch</i>, more than a quarter of at least four catch trials wrong; "
+         "<i>disagrees</i>, "
+         "agreement with the majority of the others three robust deviations below the median. From "
+         "<code>subjects.csv</code> and <code>order.csv</code>.</p>\n";
+}
+
+std::string format_tracing(const std::vector<Report>& reports) {
+  Table table{{"what", "file", "made from"}, {}};
+  table.rows = {
+      {"k and n of a cell", "cells.csv",
+       "<code>SELECT cell, sum(answer = test_side), count(*) FROM trial JOIN session ON session.id = session "
+       "WHERE "
+       "kind = KIND AND experiment = EXPERIMENT AND complete = 1 GROUP BY cell</code> in each log, main "
+       "phase; added "
+       "up over logs"},
+      {"intervals, p, q, posterior", "cells.csv",
+       "k and n alone; q from the p of all tested cells of the experiment"},
+      {"cuts, regions, EE", "thresholds.csv, ee.csv", "k and n of a column&rsquo;s cells, by the rule named"},
+      {"resampled shares and cuts, turned by one", "ee.csv, thresholds.csv",
+       "answers by subject, streams <code>analysis/bootstrap/EXPERIMENT</code> of the seed"},
+      {"posterior of EE", "ee.csv",
+       "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed"},
+      {"trends", "trends.csv", "verdicts of ee.csv and the resamples"},
+      {"sessions, sides, times", "subjects.csv, order.csv",
+       "<code>SELECT * FROM trial WHERE session = SESSION ORDER BY trial</code>"}};
+  std::string folders;
+  for (const Report& report : reports) {
+    for (const std::string& folder : report.folders)
+      folders += fmt::format("<li><code>{}</code></li>\n", escape_xml(folder));
+  }
+  return format_html_table(table, 99) +
+         (folders.empty() ? "" : "<p>Logs were read from:</p><ul>" + folders + "</ul>\n") +
+         "<p class=\"note\">What each column means stands in <code>csv-metadata.json</code>; "
+         "<code>report.json</code> holds all of it with versions, digests, seeds and rules.</p>\n";
+}
+
+}  // namespace equilux

@@ -1,0 +1,227 @@
+// A simulated study for each number of subjects and each seed.
+#include "analysis/plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/figure.h"
+#include "analysis/probability.h"
+#include "analysis/prune.h"
+#include "analysis/tables.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/random.h"
+
+namespace equilux {
+namespace {
+
+// A column as it truly is. shape: one proportion for each clamp level.
+struct TrueColumn {
+  std::vector<double> artifact;
+  std::vector<double> material;
+  Threshold artifact_cut;
+  Threshold material_cut;
+  int window_first = 0;
+};
+
+constexpr std::int64_t kExactN = 1'000'000;  ///< a true proportion as k of n
+
+ColumnCounts make_exact(const std::vector<double>& proportions, const std::vector<int>& levels) {
+  ColumnCounts counts;
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    counts.push_back({levels[i], {std::llround(proportions[i] * static_cast<double>(kExactN)), kExactN}});
+  return counts;
+}
+
+TrueColumn make_true_column(const Study& study, const PlantedColumn& planted, double lapse_rate,
+                            double slope) {
+  TrueColumn column;
+  for (const int level : study.clamp_levels) {
+    column.artifact.push_back(eval_proportion(planted, Experiment::kArtifact, level, slope, lapse_rate));
+    column.material.push_back(eval_proportion(planted, Experiment::kMaterial, level, slope, lapse_rate));
+  }
+  column.artifact_cut =
+      find_cut(make_exact(column.artifact, study.clamp_levels), Experiment::kArtifact, Rule::kPaper);
+  column.material_cut =
+      find_cut(make_exact(column.material, study.clamp_levels), Experiment::kMaterial, Rule::kPaper);
+  return column;
+}
+
+Count draw(double proportion, int subjects, RandomStream& random) {
+  Count count{0, subjects};
+  for (int i = 0; i < subjects; ++i) count.k += random.next_double() < proportion ? 1 : 0;
+  return count;
+}
+
+template <typename IsTested>
+ColumnCounts draw_column(const std::vector<double>& proportions, const std::vector<int>& levels, int subjects,
+                         RandomStream& random, const IsTested& is_tested) {
+  ColumnCounts counts;
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    counts.push_back({levels[i], is_tested(levels[i]) ? draw(proportions[i], subjects, random) : Count{}});
+  return counts;
+}
+
+// Sums that become the shares of a row.
+struct Sums {
+  double below = 0, false_flags = 0, above = 0, hits = 0, columns = 0, cuts_right = 0, ee_right = 0,
+         green = 0, supported = 0;
+
+  void add_flags(const ColumnCounts& counts, const std::vector<double>& proportions) {
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (counts[i].count.n == 0) continue;
+      const bool is_above = proportions[i] >= kFlagProportion;
+      (is_above ? above : below) += 1;
+      if (is_flagged(counts[i].count)) (is_above ? hits : false_flags) += 1;
+    }
+  }
+};
+
+bool is_green(const Threshold& artifact, const Threshold& material, std::size_t i) {
+  return artifact.states[i] == LevelState::kSame && material.states[i] == LevelState::kSame;
+}
+
+void simulate_column(Sums& sums, const TrueColumn& truth, const std::vector<int>& levels, int subjects,
+                     Rule rule, RandomStream& random) {
+  const ColumnCounts artifact = draw_column(truth.artifact, levels, subjects, random, [&](int level) {
+    return level >= truth.window_first && level < truth.window_first + kWindowLevels;
+  });
+  const Threshold artifact_cut = find_cut(artifact, Experiment::kArtifact, rule);
+  const std::vector<int> kept = keep_levels(artifact_cut, levels);
+  const ColumnCounts material = draw_column(truth.material, levels, subjects, random, [&](int level) {
+    return std::find(kept.begin(), kept.end(), level) != kept.end();
+  });
+  const Threshold material_cut = find_cut(material, Experiment::kMaterial, rule);
+  sums.add_flags(artifact, truth.artifact);
+  sums.add_flags(material, truth.material);
+  bool exists = false, truly = false;
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    truly |= is_green(truth.artifact_cut, truth.material_cut, i);
+    if (!is_green(artifact_cut, material_cut, i)) continue;
+    exists = true;
+    sums.green += 1;
+    sums.supported += is_supported(artifact[i].count) && is_supported(material[i].count) ? 1 : 0;
+  }
+  sums.columns += 1;
+  sums.cuts_right += artifact_cut.cut == truth.artifact_cut.cut ? 1 : 0;
+  sums.ee_right += exists == truly ? 1 : 0;
+}
+
+double divide(double a, double b) { return b > 0 ? a / b : 0; }
+
+SubjectPlanRow make_row(int subjects, const Sums& sums) {
+  return {subjects,
+          divide(sums.false_flags, sums.below),
+          divide(sums.hits, sums.above),
+          divide(sums.cuts_right, sums.columns),
+          divide(sums.ee_right, sums.columns),
+          divide(sums.green, sums.columns),
+          divide(sums.supported, sums.columns)};
+}
+
+std::vector<TrueColumn> make_true_columns(const Study& study, const Truth& truth, double slope) {
+  std::vector<TrueColumn> columns;
+  for (const Column& column : enumerate_columns(study))
+    columns.push_back(make_true_column(study, truth.by_column.at(column), truth.lapse_rate, slope));
+  return columns;
+}
+
+std::string format_plan_plot(const std::vector<SubjectPlanRow>& rows, FigureFormat format,
+                             const std::filesystem::path& file) {
+  std::string text = format_terminal(format, 900, 420, file);
+  text += "$rows << EOD\n";
+  for (const SubjectPlanRow& row : rows) {
+    text += fmt::format("{} {} {} {} {} {} {}\n", row.subjects, row.false_flags, row.power, row.cuts_right,
+                        row.ee_right, row.green_width, row.supported);
+  }
+  return text + R"(EOD
+set multiplot layout 1,2
+set border lc rgb '#666666'
+set grid lc rgb '#dddddd'
+set xlabel 'subjects in each experiment'
+set key bottom right
+set yrange [0:1]
+set ylabel 'share'
+plot $rows using 1:2 with linespoints pt 4 dt 2 lc rgb '#d55e00' title 'false flags', \
+  $rows using 1:3 with linespoints pt 7 lc rgb '#0072b2' title 'power', \
+  $rows using 1:4 with linespoints pt 9 dt 4 lc rgb '#000000' title 'artifact cuts right', \
+  $rows using 1:5 with linespoints pt 13 lc rgb '#009e73' title 'EE right'
+set yrange [0:*]
+set ylabel 'clamp levels of a column'
+plot $rows using 1:6 with linespoints pt 7 lc rgb '#009e73' title 'green', \
+  $rows using 1:7 with linespoints pt 4 dt 2 lc rgb '#000000' title 'green and supported'
+unset multiplot
+)";
+}
+
+}  // namespace
+
+double eval_proportion(const PlantedColumn& planted, Experiment experiment, int level, double slope,
+                       double lapse_rate) {
+  const double beyond = experiment == Experiment::kArtifact ? planted.artifact_free_from - 0.5 - level
+                                                            : level - (planted.material_same_to + 0.5);
+  const double seen = slope > 0 ? 1 / (1 + std::exp(-beyond / slope)) : beyond > 0 ? 1 : 0;
+  return 0.5 + 0.5 * (1 - lapse_rate) * seen;
+}
+
+std::vector<SubjectPlanRow> simulate_plan(const Study& study, const Truth& truth, const Windows& windows,
+                                          const SubjectPlanParams& params) {
+  std::vector<TrueColumn> columns = make_true_columns(study, truth, params.slope);
+  const auto names = enumerate_columns(study);
+  for (std::size_t c = 0; c < names.size(); ++c)
+    columns[c].window_first = windows.by_column.at(names[c]).first_level;
+  std::vector<SubjectPlanRow> rows;
+  for (const int subjects : params.subjects) {
+    Sums sums;
+    for (int number = 0; number < params.studies; ++number) {
+      RandomStream random(params.seed, fmt::format("analysis/plan/{}", subjects),
+                          static_cast<std::uint64_t>(number));
+      for (const TrueColumn& column : columns)
+        simulate_column(sums, column, study.clamp_levels, subjects, params.rule, random);
+    }
+    rows.push_back(make_row(subjects, sums));
+  }
+  return rows;
+}
+
+double find_true_width(const Study& study, const Truth& truth) {
+  double green = 0, columns = 0;
+  for (const auto& [column, planted] : truth.by_column) {
+    columns += 1;
+    for (const int level : study.clamp_levels)
+      green += level >= planted.artifact_free_from && level <= planted.material_same_to ? 1 : 0;
+  }
+  return divide(green, columns);
+}
+
+Table make_plan_table(const std::vector<SubjectPlanRow>& rows) {
+  Table table{{"subjects", "false_flags", "power", "cuts_right", "ee_right", "green_width", "supported"}, {}};
+  for (const SubjectPlanRow& row : rows) {
+    table.rows.push_back({fmt::format("{}", row.subjects), format_number(row.false_flags),
+                          format_number(row.power), format_number(row.cuts_right),
+                          format_number(row.ee_right), format_number(row.green_width),
+                          format_number(row.supported)});
+  }
+  return table;
+}
+
+std::string format_plan(const std::vector<SubjectPlanRow>& rows, double true_width) {
+  std::string text = "subjects  false flags  power  cuts right  EE right  green levels  supported\n";
+  for (const SubjectPlanRow& row : rows) {
+    text +=
+        fmt::format("{:>8}  {:>11.3f}  {:>5.3f}  {:>10.3f}  {:>8.3f}  {:>12.2f}  {:>9.2f}\n", row.subjects,
+                    row.false_flags, row.power, row.cuts_right, row.ee_right, row.green_width, row.supported);
+  }
+  return text + fmt::format("in truth {:.2f} levels of a column are equivalent\n", true_width);
+}
+
+void write_plan(const std::vector<SubjectPlanRow>& rows, const std::filesystem::path& folder) {
+  make_folder(folder);
+  save_text(folder / "plan.csv", format_csv(make_plan_table(rows)));
+  draw_plot(folder / "plan.svg",
+            [&](const auto& part) { return format_plan_plot(rows, FigureFormat::kSvg, part); });
+  draw_plot(folder / "plan.pdf",
+            [&](const auto& part) { return format_plan_plot(rows, FigureFormat::kPdf, part); });
+}
+
+}  // namespace equilux

@@ -1,0 +1,281 @@
+// Reports to rows and to JSON; nothing is computed here that a stage before has not found.
+#include "analysis/report_tables.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "analysis/tables.h"
+#include "base/error.h"
+#include "base/version.h"
+
+namespace equilux {
+namespace {
+
+using Row = std::vector<std::string>;
+
+std::string format_bool(bool value) { return value ? "true" : "false"; }
+
+std::string format_int(std::int64_t value) { return fmt::format("{}", value); }
+
+void append(Row& row, const Row& more) { row.insert(row.end(), more.begin(), more.end()); }
+
+// The study's name before every row, more columns behind it.
+Table widen(Table table, const std::string& study, const Row& columns, const std::vector<Row>& more) {
+  EQ_CHECK(columns.empty() || more.size() == table.rows.size(), more.size(), table.rows.size());
+  table.columns.insert(table.columns.begin(), "study");
+  append(table.columns, columns);
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    table.rows[i].insert(table.rows[i].begin(), study);
+    if (!columns.empty()) append(table.rows[i], more[i]);
+  }
+  return table;
+}
+
+Row estimate_fields(const CellStatistics& cell) {
+  Row row{format_cell_status(cell.status)};
+  if (!cell.estimate) {
+    row.resize(7);
+    return row;
+  }
+  const CellEstimate& e = *cell.estimate;
+  for (const double value : {e.clopper_pearson.lower, e.clopper_pearson.upper, e.jeffreys.lower,
+                             e.jeffreys.upper, e.q_guess, e.posterior_over}) {
+    row.push_back(format_number(value));
+  }
+  return row;
+}
+
+Table make_cells(const Report& report) {
+  std::vector<Row> more;
+  for (const auto* cells : {&report.artifact_cells, &report.material_cells}) {
+    for (const Cell& cell : enumerate_cells(report.study)) more.push_back(estimate_fields(cells->at(cell)));
+  }
+  return widen(
+      make_cells_table(report.study, report.artifact, report.material), report.study.name,
+      {"status", "cp_lower", "cp_upper", "jeffreys_lower", "jeffreys_upper", "q_guess", "posterior_over"},
+      more);
+}
+
+Row range_fields(const std::optional<CutRange>& range, const Study& study) {
+  if (!range) return {"", ""};
+  return {format_place(range->lower, study), format_place(range->upper, study)};
+}
+
+// In the order of make_thresholds_table.
+Table make_thresholds(const Report& report) {
+  std::vector<Row> more;
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    for (const ColumnUncertainty& column : report.uncertainty.columns) {
+      for (const Rule rule : kRules) {
+        const RuleUncertainty& under = column.under(rule);
+        more.push_back(range_fields(
+            experiment == Experiment::kArtifact ? under.artifact_cut : under.material_cut, report.study));
+      }
+    }
+  }
+  return widen(make_thresholds_table(report.findings), report.study.name, {"cut_lower", "cut_upper"}, more);
+}
+
+Row uncertainty_fields(const Report& report, std::size_t c) {
+  const ColumnUncertainty& column = report.uncertainty.columns[c];
+  Row row{format_uncertainty_status(column.status)};
+  for (const Rule rule : kRules) {
+    const RuleUncertainty& under = column.under(rule);
+    append(row, {format_number(under.posterior), format_number(under.bootstrap),
+                 column.status == UncertaintyStatus::kEstimated
+                     ? format_int(std::ssize(under.artifact_flips) + std::ssize(under.material_flips))
+                     : ""});
+    for (const auto& findings : report.at_other_percents)
+      row.push_back(format_verdict(findings[c].under(rule).verdict));
+  }
+  return row;
+}
+
+Table make_ee(const Report& report) {
+  Row columns{"uncertainty"};
+  for (const Rule rule : kRules) {
+    for (const char* name : {"posterior", "bootstrap", "flips", "ee70", "ee80"})
+      columns.push_back(fmt::format("{}_{}", name, format_rule(rule)));
+  }
+  std::vector<Row> more;
+  for (std::size_t c = 0; c < report.findings.size(); ++c) more.push_back(uncertainty_fields(report, c));
+  return widen(make_ee_table(report.findings), report.study.name, columns, more);
+}
+
+Row subject_row(const Report& report, Experiment experiment, const SubjectFinding& finding) {
+  const SessionSummary& s = finding.summary;
+  return {report.study.name,
+          format_experiment(experiment),
+          format_int(s.session),
+          s.participant,
+          s.folder,
+          format_int(s.subject_index),
+          format_bool(s.complete),
+          format_int(s.scheduled),
+          format_int(s.answered),
+          format_int(s.first_half.k + s.second_half.k),
+          format_int(s.left),
+          format_number(finding.p_side),
+          format_number(s.median_response_s),
+          format_int(s.caught.k),
+          format_int(s.caught.n),
+          format_number(finding.agreement),
+          format_marks(finding.marks)};
+}
+
+const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
+  return experiment == Experiment::kArtifact ? report.artifact_subjects : report.material_subjects;
+}
+
+Table make_subjects(const std::vector<Report>& reports) {
+  Table table{{"study", "experiment", "session", "participant", "folder", "subject_index", "complete",
+               "scheduled", "answered", "correct", "left", "p_side", "median_s", "catch_correct",
+               "catch_answered", "agreement", "marks"},
+              {}};
+  for (const Report& report : reports) {
+    for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+      for (const SubjectFinding& finding : subjects_of(report, experiment).sessions)
+        table.rows.push_back(subject_row(report, experiment, finding));
+    }
+  }
+  return table;
+}
+
+Row interval_fields(const std::optional<Interval>& interval) {
+  if (!interval) return {"", ""};
+  return {format_number(interval->lower), format_number(interval->upper)};
+}
+
+Table make_order(const std::vector<Report>& reports) {
+  Table table{{"study", "experiment", "subjects", "correct", "lower", "upper", "p", "speed"}, {}};
+  for (const Report& report : reports) {
+    for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+      const OrderEffect& order = subjects_of(report, experiment).order;
+      Row row{report.study.name, format_experiment(experiment),
+              format_int(static_cast<std::int64_t>(order.subjects)), format_number(order.correct)};
+      append(row, interval_fields(order.interval));
+      append(row, {format_number(order.p), format_number(order.speed)});
+      table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
+Row trend_row(const Report& report, const Trend& trend) {
+  Row row{report.study.name,
+          format_rule(report.rule),
+          trend.factor,
+          trend.from,
+          trend.to,
+          format_trend_status(trend.status),
+          format_int(trend.strata),
+          format_int(trend.pairs),
+          format_int(trend.gained),
+          format_int(trend.lost),
+          format_number(trend.effect)};
+  append(row, interval_fields(trend.interval));
+  append(row, {format_number(trend.p), format_number(trend.p_holm), format_bool(trend.holds),
+               describe_trend(trend)});
+  return row;
+}
+
+Table make_trends(const std::vector<Report>& reports) {
+  Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "gained", "lost",
+               "effect", "lower", "upper", "p", "p_holm", "holds", "sentence"},
+              {}};
+  for (const Report& report : reports) {
+    for (const Trend& trend : report.trends) table.rows.push_back(trend_row(report, trend));
+  }
+  return table;
+}
+
+template <typename Make>
+Table stack(const std::vector<Report>& reports, const Make& make) {
+  Table all;
+  for (const Report& report : reports) {
+    Table table = make(report);
+    all.columns = table.columns;
+    all.rows.insert(all.rows.end(), table.rows.begin(), table.rows.end());
+  }
+  return all;
+}
+
+Json make_value(const std::string& text, std::string_view datatype) {
+  if (datatype == "string") return text;
+  if (text.empty()) return nullptr;
+  if (datatype == "boolean") return text == "true";
+  if (datatype == "integer") return std::stoll(text);
+  return std::stod(text);
+}
+
+// One object for each row, typed by the dictionary.
+Json make_rows_json(const ReportTable& table) {
+  std::vector<const DictionaryEntry*> entries;
+  for (const std::string& column : table.table.columns) entries.push_back(&find_entry(table.file, column));
+  Json rows{Json::Array{}};
+  for (const Row& row : table.table.rows) {
+    Json object;
+    for (std::size_t i = 0; i < row.size(); ++i)
+      object.set(table.table.columns[i], make_value(row[i], entries[i]->datatype));
+    rows.push(std::move(object));
+  }
+  return rows;
+}
+
+Json make_experiment_json(const ExperimentEvidence& evidence) {
+  std::vector<std::string> seeds;
+  for (const SessionRow& row : evidence.finished) seeds.push_back(fmt::format("{}", row.seed));
+  std::sort(seeds.begin(), seeds.end());
+  seeds.erase(std::unique(seeds.begin(), seeds.end()), seeds.end());
+  Json json;
+  json.set("finished_sessions", evidence.finished.size()).set("unfinished_sessions", evidence.unfinished);
+  json.set("answers", evidence.answers.size()).set("answers_digest", evidence.digest);
+  return json.set("session_seeds", make_json(seeds));
+}
+
+Json make_study_json(const Report& report) {
+  Json json;
+  json.set("name", report.study.name).set("digest", report.study.digest);
+  json.set("kind", format_kind(report.evidence.kind)).set("rule", format_rule(report.rule));
+  json.set("folders", make_json(report.folders)).set("warnings", make_json(report.warnings));
+  json.set("artifact", make_experiment_json(report.evidence.artifact));
+  json.set("material", make_experiment_json(report.evidence.material));
+  if (report.selection) json.set("selection_digest", digest_selection(*report.selection));
+  if (report.windows) json.set("windows_digest", report.windows->digest);
+  if (report.manifest) json.set("rendering_seed", report.manifest->seed);
+  return json;
+}
+
+}  // namespace
+
+std::vector<ReportTable> make_report_tables(const std::vector<Report>& reports) {
+  return {{"cells.csv", stack(reports, make_cells)}, {"thresholds.csv", stack(reports, make_thresholds)},
+          {"ee.csv", stack(reports, make_ee)},       {"subjects.csv", make_subjects(reports)},
+          {"order.csv", make_order(reports)},        {"trends.csv", make_trends(reports)}};
+}
+
+Json make_report_json(const std::vector<Report>& reports) {
+  Json json;
+  json.set("schema", "equilux-report")
+      .set("schema_version", 1)
+      .set("producer", std::string("equilux-analyze ") + kVersion);
+  const UncertaintyParams& params = reports.front().params;
+  json.set("seed", params.seed)
+      .set("posterior_draws", params.posterior_draws)
+      .set("resamples", params.resamples);
+  json.set("flag_percent", kFlagPercent).set("interval_level", kIntervalLevel);
+  json.set("support_level", kSupportLevel).set("trend_level", kTrendLevel);
+  Json studies{Json::Array{}};
+  for (const Report& report : reports) studies.push(make_study_json(report));
+  json.set("studies", std::move(studies));
+  for (const ReportTable& table : make_report_tables(reports))
+    json.set(table.file.substr(0, table.file.size() - 4), make_rows_json(table));
+  return json;
+}
+
+std::string format_place(int place, const Study& study) {
+  const bool inside = place >= study.clamp_levels.front() && place <= study.clamp_levels.back();
+  return inside ? format_clamp(place) : "none";
+}
+
+}  // namespace equilux

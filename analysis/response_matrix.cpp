@@ -1,0 +1,112 @@
+// Rows of answers to a dense matrix, and its weighted column sums.
+#include "analysis/response_matrix.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "base/error.h"
+
+namespace equilux {
+namespace {
+
+template <typename T>
+void sort_once(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+template <typename T>
+std::size_t place_of(const std::vector<T>& sorted, const T& value) {
+  return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
+}
+
+std::vector<Cell> find_cells(const std::vector<AnswerRow>& answers, CellNumbers& numbers,
+                             std::vector<std::uint32_t>& of_answer) {
+  for (const AnswerRow& answer : answers) of_answer.push_back(numbers.number_of(answer.cell));
+  std::vector<Cell> cells = numbers.cells();
+  std::sort(cells.begin(), cells.end());
+  std::vector<std::uint32_t> places;
+  for (const Cell& cell : numbers.cells()) {
+    places.push_back(static_cast<std::uint32_t>(place_of(cells, cell)));
+  }
+  for (std::uint32_t& number : of_answer) number = places[number];
+  return cells;
+}
+
+void fill(ResponseMatrix& matrix, const std::vector<AnswerRow>& answers,
+          const std::vector<std::uint32_t>& cell_of_answer) {
+  const std::size_t width = matrix.cells.size();
+  matrix.asked.assign(matrix.subjects() * width, 0);
+  matrix.correct.assign(matrix.subjects() * width, 0);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const AnswerRow& answer = answers[i];
+    const std::size_t at = place_of(matrix.sessions, answer.session) * width + cell_of_answer[i];
+    if (matrix.asked[at]) {
+      throw InputError("answers", fmt::format("session {}", answer.session), "one answer to each cell",
+                       format_key(answer.cell) + " twice");
+    }
+    matrix.asked[at] = 1;
+    matrix.correct[at] = answer.correct ? 1 : 0;
+  }
+}
+
+// Rows by what they hold; subjects who answered alike are interchangeable.
+void sort_rows(ResponseMatrix& matrix) {
+  const std::size_t width = matrix.cells.size();
+  const auto row = [&](auto& values, std::size_t s) {
+    return values.begin() + static_cast<std::ptrdiff_t>(s * width);
+  };
+  std::vector<std::size_t> order(matrix.subjects());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const auto asked = std::lexicographical_compare_three_way(row(matrix.asked, a), row(matrix.asked, a + 1),
+                                                              row(matrix.asked, b), row(matrix.asked, b + 1));
+    if (asked != 0) return asked < 0;
+    return std::lexicographical_compare(row(matrix.correct, a), row(matrix.correct, a + 1),
+                                        row(matrix.correct, b), row(matrix.correct, b + 1));
+  });
+  const ResponseMatrix before = matrix;
+  for (std::size_t s = 0; s < order.size(); ++s) {
+    matrix.sessions[s] = before.sessions[order[s]];
+    std::copy_n(row(before.asked, order[s]), width, row(matrix.asked, s));
+    std::copy_n(row(before.correct, order[s]), width, row(matrix.correct, s));
+  }
+}
+
+}  // namespace
+
+ResponseMatrix make_response_matrix(const std::vector<AnswerRow>& answers) {
+  ResponseMatrix matrix;
+  CellNumbers numbers;
+  std::vector<std::uint32_t> cell_of_answer;
+  cell_of_answer.reserve(answers.size());
+  matrix.cells = find_cells(answers, numbers, cell_of_answer);
+  for (const AnswerRow& answer : answers) {
+    if (matrix.sessions.empty() || matrix.sessions.back() != answer.session)
+      matrix.sessions.push_back(answer.session);
+  }
+  sort_once(matrix.sessions);
+  fill(matrix, answers, cell_of_answer);
+  sort_rows(matrix);
+  return matrix;
+}
+
+std::vector<Count> count_weighted(const ResponseMatrix& matrix, const std::vector<std::uint32_t>& weights) {
+  const std::size_t width = matrix.cells.size();
+  EQ_CHECK(weights.size() == matrix.subjects(), weights.size(), matrix.subjects());
+  std::vector<std::uint32_t> asked(width, 0), correct(width, 0);
+  for (std::size_t s = 0; s < weights.size(); ++s) {
+    const std::uint32_t weight = weights[s];
+    if (weight == 0) continue;
+    const std::uint8_t* asked_row = matrix.asked.data() + s * width;
+    const std::uint8_t* correct_row = matrix.correct.data() + s * width;
+    for (std::size_t c = 0; c < width; ++c) asked[c] += weight * asked_row[c];
+    for (std::size_t c = 0; c < width; ++c) correct[c] += weight * correct_row[c];
+  }
+  std::vector<Count> counts(width);
+  for (std::size_t c = 0; c < width; ++c) counts[c] = {correct[c], asked[c]};
+  return counts;
+}
+
+}  // namespace equilux

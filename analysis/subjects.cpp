@@ -1,0 +1,252 @@
+// Trials to summaries, summaries to marks.
+#include "analysis/subjects.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace equilux {
+namespace {
+
+constexpr std::size_t kExactFlips = 16;  ///< subjects up to whom all sign flips are tried
+constexpr int kDraws = 10000;            ///< of sign flips beyond, and of bootstraps
+
+enum class Phase { kPractice, kMain, kCatch };
+
+// A log of schema version 1 has main trials only.
+template <typename Trial>
+Phase phase_of(const Trial& trial) {
+  if constexpr (requires { trial.phase; }) {
+    using Given = decltype(trial.phase);
+    return trial.phase == Given::kMain    ? Phase::kMain
+           : trial.phase == Given::kCatch ? Phase::kCatch
+                                          : Phase::kPractice;
+  } else {
+    return Phase::kMain;
+  }
+}
+
+std::optional<double> find_median(std::vector<double> values) {
+  if (values.empty()) return std::nullopt;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+bool is_correct(const TrialRow& trial) { return trial.answer == trial.test_side; }
+
+void add_main_trials(SessionSummary& summary, const std::vector<const TrialRow*>& main) {
+  std::vector<double> first, second;
+  for (std::size_t i = 0; i < main.size(); ++i) {
+    const TrialRow& trial = *main[i];
+    if (!trial.answer) continue;
+    const bool is_first = 2 * i < main.size();
+    Count& half = is_first ? summary.first_half : summary.second_half;
+    ++half.n;
+    half.k += is_correct(trial) ? 1 : 0;
+    summary.left += *trial.answer == Side::kLeft ? 1 : 0;
+    if (trial.response_time_ns)
+      (is_first ? first : second).push_back(static_cast<double>(*trial.response_time_ns) * 1e-9);
+  }
+  summary.scheduled = std::ssize(main);
+  summary.answered = summary.first_half.n + summary.second_half.n;
+  summary.first_half_s = find_median(first);
+  summary.second_half_s = find_median(second);
+  first.insert(first.end(), second.begin(), second.end());
+  summary.median_response_s = find_median(std::move(first));
+}
+
+// Median and 1.4826 times the median absolute deviation, which is never less than a coin's over as many
+// cells.
+struct RobustScale {
+  double median = 0;
+  double deviation = 0;
+};
+
+std::optional<RobustScale> find_scale(const std::vector<double>& values, std::size_t cells) {
+  const auto median = find_median(values);
+  if (!median) return std::nullopt;
+  std::vector<double> distances;
+  for (const double value : values) distances.push_back(std::abs(value - *median));
+  const double least = 0.5 / std::sqrt(static_cast<double>(cells));
+  return RobustScale{*median, std::max(1.4826 * *find_median(distances), least)};
+}
+
+std::vector<SubjectMark> find_marks(const SubjectFinding& finding, const std::optional<RobustScale>& scale) {
+  std::vector<SubjectMark> marks;
+  const SessionSummary& summary = finding.summary;
+  if (!summary.complete) return marks;
+  if (finding.p_side && *finding.p_side <= kSideBiasLevel) marks.push_back(SubjectMark::kSideBias);
+  if (summary.median_response_s && *summary.median_response_s < kFastMedian)
+    marks.push_back(SubjectMark::kFast);
+  if (summary.caught.n >= 4 && !is_flagged(summary.caught)) marks.push_back(SubjectMark::kCatch);
+  if (finding.agreement && scale && *finding.agreement < scale->median - 3 * scale->deviation) {
+    marks.push_back(SubjectMark::kDisagrees);
+  }
+  return marks;
+}
+
+std::vector<double> find_differences(const std::vector<SessionSummary>& summaries) {
+  std::vector<double> differences;
+  for (const SessionSummary& summary : summaries) {
+    const Count &first = summary.first_half, &second = summary.second_half;
+    if (!summary.complete || first.n == 0 || second.n == 0) continue;
+    differences.push_back(static_cast<double>(second.k) / static_cast<double>(second.n) -
+                          static_cast<double>(first.k) / static_cast<double>(first.n));
+  }
+  std::sort(differences.begin(), differences.end());
+  return differences;
+}
+
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+double sum_flipped(const std::vector<double>& values, std::uint64_t signs) {
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) sum += (signs >> i & 1) != 0 ? values[i] : -values[i];
+  return sum;
+}
+
+// Share of sign flips whose sum is as far from zero; rounding of equal sums must not decide.
+double find_flip_p(const std::vector<double>& values, std::uint64_t seed) {
+  const double seen = std::abs(sum_of(values)) - 1e-12;
+  if (values.size() <= kExactFlips) {
+    const std::uint64_t all = std::uint64_t{1} << values.size();
+    std::uint64_t far = 0;
+    for (std::uint64_t signs = 0; signs < all; ++signs)
+      far += std::abs(sum_flipped(values, signs)) >= seen ? 1 : 0;
+    return static_cast<double>(far) / static_cast<double>(all);
+  }
+  RandomStream random(seed, "analysis/order/flips", 0);
+  int far = 1;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    double sum = 0;
+    for (const double value : values) sum += random.next_below(2) == 0 ? value : -value;
+    far += std::abs(sum) >= seen ? 1 : 0;
+  }
+  return static_cast<double>(far) / (kDraws + 1);
+}
+
+Interval find_mean_interval(const std::vector<double>& values, std::uint64_t seed) {
+  RandomStream random(seed, "analysis/order/bootstrap", 0);
+  std::vector<double> means(kDraws);
+  for (double& mean : means) {
+    for (std::size_t i = 0; i < values.size(); ++i) mean += values[random.next_below(values.size())];
+    mean /= static_cast<double>(values.size());
+  }
+  std::sort(means.begin(), means.end());
+  const auto tail = static_cast<std::size_t>((1 - kIntervalLevel) / 2 * kDraws);
+  return {means[tail], means[means.size() - 1 - tail]};
+}
+
+std::optional<double> find_speed_ratio(const std::vector<SessionSummary>& summaries) {
+  double sum = 0;
+  int count = 0;
+  for (const SessionSummary& summary : summaries) {
+    if (!summary.complete || !summary.first_half_s || !summary.second_half_s) continue;
+    sum += std::log(*summary.second_half_s / *summary.first_half_s);
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return std::exp(sum / count);
+}
+
+}  // namespace
+
+SessionSummary summarise_session(const SessionRow& session, const std::vector<TrialRow>& trials) {
+  SessionSummary summary;
+  summary.session = session.id;
+  summary.participant = session.participant;
+  summary.subject_index = session.subject_index;
+  summary.complete = session.complete;
+  std::vector<const TrialRow*> main;
+  for (const TrialRow& trial : trials) {
+    const Phase phase = phase_of(trial);
+    if (phase == Phase::kMain) main.push_back(&trial);
+    if (phase != Phase::kCatch || !trial.answer) continue;
+    ++summary.caught.n;
+    summary.caught.k += is_correct(trial) ? 1 : 0;
+  }
+  std::sort(main.begin(), main.end(), [](const auto* a, const auto* b) { return a->number < b->number; });
+  add_main_trials(summary, main);
+  return summary;
+}
+
+std::vector<std::optional<double>> find_agreement(const ResponseMatrix& matrix) {
+  const std::vector<Count> all = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
+  std::vector<std::optional<double>> agreement(matrix.subjects());
+  for (std::size_t s = 0; s < matrix.subjects(); ++s) {
+    std::int64_t agreed = 0, cells = 0;
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      const std::size_t at = s * all.size() + c;
+      const std::int64_t right = 2 * (all[c].k - matrix.correct[at]), others = all[c].n - matrix.asked[at];
+      if (!matrix.asked[at] || right == others) continue;
+      ++cells;
+      agreed += (right > others) == (matrix.correct[at] != 0) ? 1 : 0;
+    }
+    if (cells > 0) agreement[s] = static_cast<double>(agreed) / static_cast<double>(cells);
+  }
+  return agreement;
+}
+
+std::vector<SubjectFinding> find_subjects(const std::vector<SessionSummary>& summaries,
+                                          const ResponseMatrix& matrix) {
+  const auto agreement = find_agreement(matrix);
+  std::map<std::int64_t, std::optional<double>> by_session;
+  std::vector<double> known;
+  for (std::size_t s = 0; s < matrix.subjects(); ++s) {
+    by_session[matrix.sessions[s]] = agreement[s];
+    if (agreement[s]) known.push_back(*agreement[s]);
+  }
+  const auto scale = find_scale(known, matrix.cells.size());
+  std::vector<SubjectFinding> findings;
+  for (const SessionSummary& summary : summaries) {
+    SubjectFinding finding{summary, eval_p_two_sided({summary.left, summary.answered}), {}, {}};
+    if (const auto found = by_session.find(summary.session); summary.complete && found != by_session.end())
+      finding.agreement = found->second;
+    finding.marks = find_marks(finding, scale);
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+OrderEffect find_order_effect(const std::vector<SessionSummary>& summaries, std::uint64_t seed) {
+  const std::vector<double> differences = find_differences(summaries);
+  OrderEffect effect;
+  effect.subjects = differences.size();
+  effect.speed = find_speed_ratio(summaries);
+  if (differences.empty()) return effect;
+  effect.correct = sum_of(differences) / static_cast<double>(differences.size());
+  if (differences.size() < 2) return effect;
+  effect.interval = find_mean_interval(differences, seed);
+  effect.p = find_flip_p(differences, seed);
+  return effect;
+}
+
+std::string format_mark(SubjectMark mark) {
+  switch (mark) {
+    case SubjectMark::kSideBias:
+      return "side";
+    case SubjectMark::kFast:
+      return "fast";
+    case SubjectMark::kCatch:
+      return "catch";
+    case SubjectMark::kDisagrees:
+      break;
+  }
+  return "disagrees";
+}
+
+std::string format_marks(const std::vector<SubjectMark>& marks) {
+  std::vector<std::string> names;
+  for (const SubjectMark mark : marks) names.push_back(format_mark(mark));
+  return fmt::format("{}", fmt::join(names, " "));
+}
+
+}  // namespace equilux

@@ -1,0 +1,339 @@
+// Columns to strata, strata to exact tests.
+#include "analysis/trends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
+
+#include "analysis/tables.h"
+#include "base/error.h"
+
+namespace equilux {
+namespace {
+
+constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
+
+// Places of findings, level by level; kAbsent where the study lacks the column.
+using Places = std::vector<std::size_t>;
+
+struct Question {
+  std::string factor, from, to;
+  std::vector<Places> strata;
+};
+
+class Columns {
+ public:
+  explicit Columns(const std::vector<ColumnFinding>& findings) {
+    for (std::size_t i = 0; i < findings.size(); ++i) places_[findings[i].column] = i;
+  }
+  std::size_t place_of(const Column& column) const {
+    const auto found = places_.find(column);
+    return found == places_.end() ? kAbsent : found->second;
+  }
+
+ private:
+  std::map<Column, std::size_t> places_;
+};
+
+// A stratum for each column that has the first level; `set` puts another level in its place.
+template <typename Level, typename Get, typename Set>
+Question ask(const std::vector<ColumnFinding>& findings, const std::string& factor,
+             const std::vector<Level>& levels, const std::function<std::string(const Level&)>& name,
+             const Get& get, const Set& set) {
+  const Columns columns(findings);
+  Question question{factor, name(levels.front()), name(levels.back()), {}};
+  std::map<Column, Places> strata;
+  for (const ColumnFinding& finding : findings) {
+    if (std::find(levels.begin(), levels.end(), get(finding.column)) == levels.end()) continue;
+    Column key = finding.column;
+    set(key, levels.front());
+    Places& places = strata[key];
+    if (!places.empty()) continue;
+    for (const Level& level : levels) {
+      Column column = key;
+      set(column, level);
+      places.push_back(columns.place_of(column));
+    }
+  }
+  for (auto& [key, places] : strata) question.strata.push_back(std::move(places));
+  return question;
+}
+
+std::vector<std::int64_t> find_all_counts(const Study& study) {
+  std::vector<std::int64_t> counts;
+  for (const Column& column : enumerate_columns(study)) counts.push_back(column.vpl_count);
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  return counts;
+}
+
+void ask_counts(std::vector<Question>& questions, const Study& study,
+                const std::vector<ColumnFinding>& findings) {
+  const auto counts = find_all_counts(study);
+  const auto add = [&](const std::vector<std::int64_t>& levels) {
+    questions.push_back(ask<std::int64_t>(
+        findings, "vpls", levels, [](const std::int64_t& count) { return format_vpl_count(count); },
+        [](const Column& column) { return column.vpl_count; },
+        [](Column& column, std::int64_t count) { column.vpl_count = count; }));
+  };
+  if (counts.size() < 2) return;
+  add(counts);
+  for (std::size_t i = 1; counts.size() > 2 && i < counts.size(); ++i) add({counts[i - 1], counts[i]});
+}
+
+void ask_geometries(std::vector<Question>& questions, const Study& study,
+                    const std::vector<ColumnFinding>& findings) {
+  const auto geometries = enumerate_geometries(study);
+  if (geometries.size() < 2) return;
+  questions.push_back(ask<std::string>(
+      findings, "geometry", geometries, [](const std::string& text) { return text; },
+      [](const Column& column) { return column.object.geometry; },
+      [](Column& column, const std::string& text) { column.object.geometry = text; }));
+}
+
+void ask_materials(std::vector<Question>& questions, const Study& study,
+                   const std::vector<ColumnFinding>& findings) {
+  const auto materials = enumerate_materials(study);
+  const auto has = [&](const std::string& name) {
+    return std::find(materials.begin(), materials.end(), name) != materials.end();
+  };
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"MS", "MR"}, {"MS", "BS"}, {"BS", "BR"}, {"BS", "GS"}}) {
+    if (!has(from) || !has(to)) continue;
+    questions.push_back(ask<std::string>(
+        findings, "material", {from, to}, [](const std::string& text) { return text; },
+        [](const Column& column) { return column.object.material; },
+        [](Column& column, const std::string& text) { column.object.material = text; }));
+  }
+}
+
+void ask_illuminations(std::vector<Question>& questions, const Study& study,
+                       const std::vector<ColumnFinding>& findings) {
+  if (enumerate_illuminations(study).size() < 2) return;
+  questions.push_back(ask<Illumination>(
+      findings, "illumination", {Illumination::kIndirect, Illumination::kDirectAndIndirect},
+      [](const Illumination& value) { return format_illumination(value); },
+      [](const Column& column) { return column.object.illumination; },
+      [](Column& column, Illumination value) { column.object.illumination = value; }));
+}
+
+// What is known of EE in the columns of a stratum, those without a verdict left out.
+std::vector<int> find_outcomes(const Places& places, const std::function<Resampled(std::size_t)>& verdict) {
+  std::vector<int> outcomes;
+  for (const std::size_t place : places) {
+    if (place == kAbsent || verdict(place) == Resampled::kUntested) continue;
+    outcomes.push_back(verdict(place) == Resampled::kExists ? 1 : 0);
+  }
+  return outcomes;
+}
+
+struct Sums {
+  std::int64_t gained = 0, lost = 0, pairs = 0;
+  std::vector<Stratum> strata;
+
+  std::optional<double> effect() const {
+    if (pairs == 0) return std::nullopt;
+    return static_cast<double>(gained - lost) / static_cast<double>(pairs);
+  }
+};
+
+Sums add_up(const Question& question, const std::function<Resampled(std::size_t)>& verdict) {
+  Sums sums;
+  for (const Places& places : question.strata) {
+    const std::vector<int> outcomes = find_outcomes(places, verdict);
+    if (outcomes.size() < 2) continue;
+    sums.strata.push_back({static_cast<int>(outcomes.size()),
+                           static_cast<int>(std::count(outcomes.begin(), outcomes.end(), 1))});
+    for (std::size_t j = 1; j < outcomes.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) {
+        ++sums.pairs;
+        sums.gained += outcomes[j] > outcomes[i] ? 1 : 0;
+        sums.lost += outcomes[j] < outcomes[i] ? 1 : 0;
+      }
+    }
+  }
+  return sums;
+}
+
+std::optional<Interval> find_effect_interval(const Question& question,
+                                             const std::vector<Resampled>& resamples, std::size_t columns) {
+  std::vector<double> effects;
+  for (std::size_t row = 0; columns > 0 && row < resamples.size(); row += columns) {
+    const auto effect = add_up(question, [&](std::size_t place) { return resamples[row + place]; }).effect();
+    if (effect) effects.push_back(*effect);
+  }
+  if (effects.empty()) return std::nullopt;
+  std::sort(effects.begin(), effects.end());
+  const auto tail = static_cast<std::size_t>((1 - kIntervalLevel) / 2 * static_cast<double>(effects.size()));
+  return Interval{effects[tail], effects[effects.size() - 1 - tail]};
+}
+
+Resampled verdict_of(const ColumnFinding& finding, Rule rule) {
+  switch (finding.under(rule).verdict) {
+    case Verdict::kExists:
+      return Resampled::kExists;
+    case Verdict::kNone:
+      return Resampled::kNone;
+    case Verdict::kUntested:
+      break;
+  }
+  return Resampled::kUntested;
+}
+
+// A column that was dropped has no material answers to draw again: its EE stays false.
+std::vector<Resampled> fill_dropped(std::vector<Resampled> resamples,
+                                    const std::vector<ColumnFinding>& findings, Rule rule) {
+  for (std::size_t i = 0; i < resamples.size(); ++i) {
+    const ColumnFinding& finding = findings[i % findings.size()];
+    if (resamples[i] == Resampled::kUntested && finding.under(rule).verdict == Verdict::kNone)
+      resamples[i] = Resampled::kNone;
+  }
+  return resamples;
+}
+
+Trend answer(const Question& question, const std::vector<ColumnFinding>& findings, Rule rule,
+             const std::vector<Resampled>& resamples) {
+  const Sums sums = add_up(question, [&](std::size_t place) { return verdict_of(findings[place], rule); });
+  Trend trend;
+  trend.factor = question.factor;
+  trend.from = question.from;
+  trend.to = question.to;
+  trend.strata = std::ssize(sums.strata);
+  trend.gained = sums.gained;
+  trend.lost = sums.lost;
+  trend.pairs = sums.pairs;
+  trend.effect = sums.effect();
+  if (sums.pairs == 0) return trend;
+  trend.status = sums.gained + sums.lost == 0 ? TrendStatus::kFlat : TrendStatus::kTested;
+  trend.interval = find_effect_interval(question, resamples, findings.size());
+  trend.p = eval_permutation_p(sums.strata, sums.gained - sums.lost);
+  return trend;
+}
+
+// Statistic of an order of ones and zeros: ones that come after zeros less zeros that come after ones.
+std::map<std::int64_t, double> distribute(const Stratum& stratum) {
+  std::map<std::int64_t, double> weights;
+  std::vector<int> order(static_cast<std::size_t>(stratum.size), 0);
+  std::fill(order.end() - stratum.ones, order.end(), 1);
+  double orders = 0;
+  do {
+    std::int64_t statistic = 0;
+    for (std::size_t j = 1; j < order.size(); ++j) {
+      for (std::size_t i = 0; i < j; ++i) statistic += order[j] - order[i];
+    }
+    weights[statistic] += 1;
+    orders += 1;
+  } while (std::next_permutation(order.begin(), order.end()));
+  for (auto& [statistic, weight] : weights) weight /= orders;
+  return weights;
+}
+
+}  // namespace
+
+double eval_permutation_p(const std::vector<Stratum>& strata, std::int64_t statistic) {
+  std::map<std::int64_t, double> sum{{0, 1.0}};
+  for (const Stratum& stratum : strata) {
+    EQ_CHECK(stratum.ones >= 0 && stratum.ones <= stratum.size && stratum.size <= 20, stratum.ones,
+             stratum.size);
+    std::map<std::int64_t, double> next;
+    const auto part = distribute(stratum);
+    for (const auto& [a, p] : sum) {
+      for (const auto& [b, q] : part) next[a + b] += p * q;
+    }
+    sum = std::move(next);
+  }
+  double far = 0;
+  for (const auto& [value, p] : sum) far += std::abs(value) >= std::abs(statistic) ? p : 0;
+  return std::min(far, 1.0);
+}
+
+std::vector<double> adjust_holm(const std::vector<double>& p_values) {
+  std::vector<std::size_t> order(p_values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return p_values[a] < p_values[b]; });
+  std::vector<double> adjusted(p_values.size());
+  double largest = 0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    largest = std::max(largest, p_values[order[rank]] * static_cast<double>(order.size() - rank));
+    adjusted[order[rank]] = std::min(largest, 1.0);
+  }
+  return adjusted;
+}
+
+std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFinding>& findings, Rule rule,
+                               const Uncertainty& uncertainty) {
+  std::vector<Question> questions;
+  ask_counts(questions, study, findings);
+  ask_geometries(questions, study, findings);
+  ask_materials(questions, study, findings);
+  ask_illuminations(questions, study, findings);
+  const auto resamples = fill_dropped(uncertainty.resamples[static_cast<std::size_t>(rule)], findings, rule);
+  std::vector<Trend> trends;
+  for (const Question& question : questions) trends.push_back(answer(question, findings, rule, resamples));
+  adjust_trends(trends);
+  return trends;
+}
+
+void adjust_trends(std::vector<Trend>& trends) {
+  std::vector<double> p_values;
+  for (const Trend& trend : trends) p_values.push_back(trend.p);
+  const auto adjusted = adjust_holm(p_values);
+  for (std::size_t i = 0; i < trends.size(); ++i) {
+    trends[i].p_holm = adjusted[i];
+    const auto& interval = trends[i].interval;
+    trends[i].holds = adjusted[i] <= kTrendLevel && interval && (interval->lower > 0 || interval->upper < 0);
+  }
+}
+
+Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule rule) {
+  Question question{"study", from.name, to.name, {}};
+  const Columns columns(from.findings);
+  std::vector<ColumnFinding> findings = from.findings;
+  for (const ColumnFinding& finding : to.findings) {
+    const std::size_t place = columns.place_of(finding.column);
+    if (place != kAbsent) question.strata.push_back({place, findings.size()});
+    findings.push_back(finding);
+  }
+  const auto r = static_cast<std::size_t>(rule);
+  const auto& earlier = from.uncertainty.resamples[r];
+  const auto& later = to.uncertainty.resamples[r];
+  std::vector<Resampled> rows;
+  for (std::size_t a = 0, b = 0; a < earlier.size(); a += from.findings.size(), b += to.findings.size()) {
+    EQ_CHECK(b + to.findings.size() <= later.size(), b, later.size());
+    rows.insert(rows.end(), earlier.data() + a, earlier.data() + a + from.findings.size());
+    rows.insert(rows.end(), later.data() + b, later.data() + b + to.findings.size());
+  }
+  std::vector<Trend> trends{answer(question, findings, rule, fill_dropped(std::move(rows), findings, rule))};
+  adjust_trends(trends);
+  return trends.front();
+}
+
+std::string describe_trend(const Trend& trend) {
+  const std::string along = fmt::format("{} {} to {}", trend.factor, trend.from, trend.to);
+  if (trend.status == TrendStatus::kNoPairs) return fmt::format("Along {} nothing could be compared.", along);
+  if (trend.status == TrendStatus::kFlat)
+    return fmt::format("Along {} equivalence was the same in all {} pairs.", along, trend.pairs);
+  const std::string counts =
+      fmt::format("gained in {} and lost in {} of {} pairs", trend.gained, trend.lost, trend.pairs);
+  const char* way = trend.gained > trend.lost   ? "more often"
+                    : trend.gained < trend.lost ? "less often"
+                                                : "as often";
+  return trend.holds ? fmt::format("Along {} equivalence exists {} ({}).", along, way, counts)
+                     : fmt::format("Along {} no trend is shown ({}).", along, counts);
+}
+
+std::string format_trend_status(TrendStatus status) {
+  switch (status) {
+    case TrendStatus::kTested:
+      return "tested";
+    case TrendStatus::kFlat:
+      return "flat";
+    case TrendStatus::kNoPairs:
+      break;
+  }
+  return "no_pairs";
+}
+
+}  // namespace equilux

@@ -1,0 +1,344 @@
+// Three ways to disturb the counts, one way to judge them.
+#include "analysis/uncertainty.h"
+
+#include <algorithm>
+#include <boost/random/beta_distribution.hpp>
+#include <cmath>
+#include <numeric>
+
+#include "analysis/probability.h"
+#include "base/error.h"
+#include "base/random.h"
+
+namespace equilux {
+namespace {
+
+// A drawn proportion as k of n of this order: products of the sums of two pools of a column stay below 2^63.
+constexpr std::int64_t kDrawScale = std::int64_t{1} << 28;
+
+// A column of one experiment whose counts can be replaced without looking for its cells again.
+struct Slots {
+  ColumnCounts counts;
+  std::vector<std::pair<std::size_t, std::size_t>> cells;  // place in counts, place in the matrix
+
+  void fill(const std::vector<Count>& by_cell) {
+    for (const auto& [level, cell] : cells) counts[level].count = by_cell[cell];
+  }
+};
+
+Slots make_slots(const ColumnCounts& counts, const Column& column, bool normalised,
+                 const ResponseMatrix& matrix) {
+  Slots slots{counts, {}};
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const Cell cell{column, counts[i].level, normalised};
+    const auto found = std::lower_bound(matrix.cells.begin(), matrix.cells.end(), cell);
+    if (found == matrix.cells.end() || *found != cell) continue;
+    slots.cells.emplace_back(i, static_cast<std::size_t>(found - matrix.cells.begin()));
+  }
+  return slots;
+}
+
+struct ColumnSlots {
+  Slots artifact;
+  Slots material;
+  std::vector<int> levels;
+};
+
+// How often a cut was where. shape: a place for no level before the first, one each, one beyond the last.
+class CutHistogram {
+ public:
+  explicit CutHistogram(const std::vector<int>& levels) : levels_(levels), counts_(levels.size() + 2, 0) {}
+
+  void add(const Threshold& threshold, Experiment experiment) {
+    if (threshold.status == CutStatus::kUntested) return;
+    ++counts_[threshold.cut                         ? place_of(*threshold.cut)
+              : experiment == Experiment::kArtifact ? counts_.size() - 1
+                                                    : 0];
+  }
+
+  std::optional<CutRange> find_range() const {
+    const std::int64_t total = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0});
+    if (total == 0) return std::nullopt;
+    const double tail = (1 - kIntervalLevel) / 2;
+    return CutRange{find_quantile(tail, total), find_quantile(1 - tail, total)};
+  }
+
+ private:
+  std::size_t place_of(int level) const {
+    return static_cast<std::size_t>(std::find(levels_.begin(), levels_.end(), level) - levels_.begin()) + 1;
+  }
+  // Nearest rank.
+  int find_quantile(double share, std::int64_t total) const {
+    const double rank = std::max(1.0, std::ceil(share * static_cast<double>(total)));
+    std::int64_t below = 0;
+    std::size_t place = 0;
+    while (place + 1 < counts_.size() && static_cast<double>(below += counts_[place]) < rank) ++place;
+    if (place == 0) return levels_.front() - 1;
+    return place > levels_.size() ? levels_.back() + 1 : levels_[place - 1];
+  }
+
+  std::vector<int> levels_;
+  std::vector<std::int64_t> counts_;
+};
+
+struct Thresholds {
+  Threshold artifact;
+  Threshold material;
+};
+
+Thresholds judge(const ColumnSlots& column, Rule rule) {
+  return {find_cut(column.artifact.counts, Experiment::kArtifact, rule),
+          find_cut(column.material.counts, Experiment::kMaterial, rule)};
+}
+
+Resampled judge_resample(const Thresholds& thresholds) {
+  if (thresholds.artifact.status == CutStatus::kUntested) return Resampled::kUntested;
+  if (thresholds.material.status == CutStatus::kUntested) return Resampled::kUntested;
+  return is_any_equivalent(thresholds.artifact, thresholds.material) ? Resampled::kExists : Resampled::kNone;
+}
+
+class Share {
+ public:
+  void add(Resampled verdict) {
+    all_ += verdict != Resampled::kUntested ? 1 : 0;
+    true_ += verdict == Resampled::kExists ? 1 : 0;
+  }
+  std::optional<double> get() const {
+    if (all_ == 0) return std::nullopt;
+    return static_cast<double>(true_) / static_cast<double>(all_);
+  }
+
+ private:
+  std::int64_t true_ = 0;
+  std::int64_t all_ = 0;
+};
+
+// What Boost draws from.
+class Bits {
+ public:
+  using result_type = std::uint32_t;
+  explicit Bits(RandomStream stream) : stream_(stream) {}
+  static constexpr result_type min() { return 0; }
+  static constexpr result_type max() { return ~result_type{0}; }
+  result_type operator()() { return stream_.next_u32(); }
+
+ private:
+  RandomStream stream_;
+};
+
+std::int64_t find_largest_n(const ColumnCounts& counts) {
+  std::int64_t largest = 1;
+  for (const LevelCount& level : counts) largest = std::max(largest, level.count.n);
+  return largest;
+}
+
+// Draws of one cell's proportion from its posterior, as counts in which n keeps its weight among the others.
+std::vector<Count> draw_cell(const Count& count, std::int64_t largest_n, const std::string& stream,
+                             const UncertaintyParams& params) {
+  Bits bits(RandomStream(params.seed, stream, 0));
+  boost::random::beta_distribution<double> posterior(static_cast<double>(count.k) + 0.5,
+                                                     static_cast<double>(count.n - count.k) + 0.5);
+  const std::int64_t n = count.n * (kDrawScale / largest_n);
+  std::vector<Count> draws(static_cast<std::size_t>(params.posterior_draws));
+  for (Count& draw : draws) draw = {std::llround(posterior(bits) * static_cast<double>(n)), n};
+  return draws;
+}
+
+// shape: one vector of draws for each tested level, its place in the counts beside it.
+using Draws = std::vector<std::pair<std::size_t, std::vector<Count>>>;
+
+Draws draw_column(const ColumnCounts& counts, Experiment experiment, const Column& column,
+                  const UncertaintyParams& params) {
+  Draws draws;
+  const std::int64_t largest_n = find_largest_n(counts);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i].count.n == 0) continue;
+    const std::string stream = fmt::format("analysis/posterior/{}/{}-{}", format_experiment(experiment),
+                                           format_key(column), format_clamp(counts[i].level));
+    draws.emplace_back(i, draw_cell(counts[i].count, largest_n, stream, params));
+  }
+  return draws;
+}
+
+void take_draw(ColumnCounts& counts, const Draws& draws, std::size_t number) {
+  for (const auto& [place, values] : draws) counts[place].count = values[number];
+}
+
+void find_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots column,
+                    const UncertaintyParams& params) {
+  const Draws artifact = draw_column(column.artifact.counts, Experiment::kArtifact, name, params);
+  const Draws material = draw_column(column.material.counts, Experiment::kMaterial, name, params);
+  std::array<Share, 2> shares;
+  for (std::size_t draw = 0; draw < static_cast<std::size_t>(params.posterior_draws); ++draw) {
+    take_draw(column.artifact.counts, artifact, draw);
+    take_draw(column.material.counts, material, draw);
+    for (const Rule rule : kRules) {
+      shares[static_cast<std::size_t>(rule)].add(judge_resample(judge(column, rule)));
+    }
+  }
+  for (const Rule rule : kRules) {
+    const auto r = static_cast<std::size_t>(rule);
+    result.by_rule[r].posterior = shares[r].get();
+  }
+}
+
+std::vector<std::uint32_t> draw_subjects(std::size_t subjects, Experiment experiment, int resample,
+                                         std::uint64_t seed) {
+  RandomStream random(seed, "analysis/bootstrap/" + format_experiment(experiment),
+                      static_cast<std::uint64_t>(resample));
+  std::vector<std::uint32_t> weights(subjects, 0);
+  for (std::size_t i = 0; i < subjects; ++i) ++weights[random.next_below(subjects)];
+  return weights;
+}
+
+struct ResampleSums {
+  std::array<Share, 2> shares = {};
+  std::vector<CutHistogram> artifact;  // shape: in order of kRules
+  std::vector<CutHistogram> material;
+};
+
+void add_resample(std::vector<ResampleSums>& sums, Uncertainty& result, std::vector<ColumnSlots>& columns,
+                  const std::vector<Count>& artifact, const std::vector<Count>& material) {
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    columns[c].artifact.fill(artifact);
+    columns[c].material.fill(material);
+    for (const Rule rule : kRules) {
+      const auto r = static_cast<std::size_t>(rule);
+      const Thresholds thresholds = judge(columns[c], rule);
+      result.resamples[r].push_back(judge_resample(thresholds));
+      sums[c].shares[r].add(result.resamples[r].back());
+      sums[c].artifact[r].add(thresholds.artifact, Experiment::kArtifact);
+      sums[c].material[r].add(thresholds.material, Experiment::kMaterial);
+    }
+  }
+}
+
+std::vector<ResampleSums> resample(Uncertainty& result, std::vector<ColumnSlots> columns,
+                                   const ResponseMatrix& artifact, const ResponseMatrix& material,
+                                   const UncertaintyParams& params) {
+  std::vector<ResampleSums> sums;
+  for (const ColumnSlots& column : columns) {
+    const std::vector<CutHistogram> empty(2, CutHistogram(column.levels));
+    sums.push_back({{}, empty, empty});
+  }
+  for (int number = 0; number < params.resamples; ++number) {
+    const auto counts = [&](const ResponseMatrix& matrix, Experiment experiment) {
+      return count_weighted(matrix, draw_subjects(matrix.subjects(), experiment, number, params.seed));
+    };
+    add_resample(sums, result, columns, counts(artifact, Experiment::kArtifact),
+                 counts(material, Experiment::kMaterial));
+  }
+  return sums;
+}
+
+void take_sums(ColumnUncertainty& result, const ResampleSums& sums, bool artifact, bool material) {
+  for (std::size_t r = 0; r < result.by_rule.size(); ++r) {
+    if (artifact) result.by_rule[r].artifact_cut = sums.artifact[r].find_range();
+    if (material) result.by_rule[r].material_cut = sums.material[r].find_range();
+    if (result.status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
+  }
+}
+
+// The counts without one subject.
+std::vector<Count> subtract_subject(std::vector<Count> counts, const ResponseMatrix& matrix, std::size_t s) {
+  const std::size_t width = matrix.cells.size();
+  for (std::size_t c = 0; c < width; ++c) {
+    counts[c].n -= matrix.asked[s * width + c];
+    counts[c].k -= matrix.correct[s * width + c];
+  }
+  return counts;
+}
+
+bool is_exists(const ColumnSlots& column, Rule rule) {
+  const Thresholds thresholds = judge(column, rule);
+  return is_any_equivalent(thresholds.artifact, thresholds.material);
+}
+
+// Leaves each subject of one experiment out in turn; `slots` is that experiment's part of a column.
+void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots> columns,
+                const ResponseMatrix& matrix, Slots ColumnSlots::*slots,
+                std::vector<std::int64_t> RuleUncertainty::*flips) {
+  const std::vector<Count> all = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
+  const std::vector<ColumnSlots> whole = columns;
+  for (std::size_t s = 0; s < matrix.subjects(); ++s) {
+    const std::vector<Count> counts = subtract_subject(all, matrix, s);
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      if (results[c].status != UncertaintyStatus::kEstimated) continue;
+      (columns[c].*slots).fill(counts);
+      for (const Rule rule : kRules) {
+        if (is_exists(columns[c], rule) == is_exists(whole[c], rule)) continue;
+        (results[c].by_rule[static_cast<std::size_t>(rule)].*flips).push_back(matrix.sessions[s]);
+      }
+    }
+  }
+  for (ColumnUncertainty& result : results) {
+    for (RuleUncertainty& under : result.by_rule) std::sort((under.*flips).begin(), (under.*flips).end());
+  }
+}
+
+UncertaintyStatus find_status(const ColumnFinding& finding, const ColumnSlots& column, std::size_t artifact,
+                              std::size_t material) {
+  if (column.artifact.cells.empty()) return UncertaintyStatus::kUntested;
+  const bool no_level = finding.under(Rule::kPaper).artifact.status == CutStatus::kNone || finding.dropped;
+  if (column.material.cells.empty()) {
+    return no_level ? UncertaintyStatus::kNoCandidates : UncertaintyStatus::kUntested;
+  }
+  return artifact > 1 && material > 1 ? UncertaintyStatus::kEstimated : UncertaintyStatus::kOneSubject;
+}
+
+std::vector<ColumnSlots> make_column_slots(const Study& study, const std::vector<ColumnFinding>& findings,
+                                           const ResponseMatrix& artifact, const ResponseMatrix& material) {
+  std::vector<ColumnSlots> columns;
+  for (const ColumnFinding& finding : findings) {
+    columns.push_back({make_slots(finding.artifact, finding.column, study.normalise, artifact),
+                       make_slots(finding.material, finding.column, study.normalise, material),
+                       study.clamp_levels});
+  }
+  return columns;
+}
+
+}  // namespace
+
+Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
+                             const ResponseMatrix& artifact, const ResponseMatrix& material,
+                             const UncertaintyParams& params) {
+  EQ_CHECK(params.posterior_draws > 0 && params.resamples > 0, params.posterior_draws, params.resamples);
+  const std::vector<ColumnSlots> columns = make_column_slots(study, findings, artifact, material);
+  Uncertainty result;
+  result.columns.resize(findings.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    ColumnUncertainty& column = result.columns[c];
+    column.status = find_status(findings[c], columns[c], artifact.subjects(), material.subjects());
+    if (columns[c].artifact.cells.empty() || columns[c].material.cells.empty()) continue;
+    find_posterior(column, findings[c].column, columns[c], params);
+  }
+  const std::vector<ResampleSums> sums = resample(result, columns, artifact, material, params);
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    take_sums(result.columns[c], sums[c], artifact.subjects() > 1, material.subjects() > 1);
+  find_flips(result.columns, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);
+  find_flips(result.columns, columns, material, &ColumnSlots::material, &RuleUncertainty::material_flips);
+  return result;
+}
+
+bool is_any_equivalent(const Threshold& artifact, const Threshold& material) {
+  for (std::size_t i = 0; i < artifact.states.size(); ++i) {
+    if (artifact.states[i] == LevelState::kSame && material.states[i] == LevelState::kSame) return true;
+  }
+  return false;
+}
+
+std::string format_uncertainty_status(UncertaintyStatus status) {
+  switch (status) {
+    case UncertaintyStatus::kEstimated:
+      return "estimated";
+    case UncertaintyStatus::kOneSubject:
+      return "one_subject";
+    case UncertaintyStatus::kNoCandidates:
+      return "no_candidates";
+    case UncertaintyStatus::kUntested:
+      break;
+  }
+  return "untested";
+}
+
+}  // namespace equilux

@@ -1,0 +1,77 @@
+// How sure cuts and verdicts are: posterior draws, subjects drawn again, and each subject left out in turn.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/equivalence.h"
+#include "analysis/response_matrix.h"
+
+namespace equilux {
+
+/// Defaults of a report; all three stand in its outputs.
+struct UncertaintyParams {
+  std::uint64_t seed = 1;
+  int posterior_draws = 2000;  ///< Monte Carlo error of a share: at most 0.011
+  int resamples = 2000;        ///< of subjects
+};
+
+/// Where a cut lies in the middle kIntervalLevel of the resamples, as places on the scale of clamp levels.
+struct CutRange {
+  int lower = 0;  ///< a clamp level; -1: no level, before the first one (material)
+  int upper = 0;  ///< a clamp level; one more than the last: no level, beyond it (artifact)
+  bool operator==(const CutRange&) const = default;
+};
+
+/// Why a column's uncertainty may be missing.
+enum class UncertaintyStatus {
+  kEstimated,
+  kUntested,      ///< an experiment has no answers in this column
+  kOneSubject,    ///< one subject answered: drawing it again says nothing; only the posterior is given
+  kNoCandidates,  ///< every tested level has artifacts or the selection dropped the column: EE is false
+};
+
+/// Under one rule.
+struct RuleUncertainty {
+  std::optional<double> posterior;  ///< probability of EE, the cells' proportions drawn from their posteriors
+  std::optional<double> bootstrap;  ///< share of resamples in which EE is true
+  std::optional<CutRange> artifact_cut;
+  std::optional<CutRange> material_cut;
+  /// Subjects without whom the verdict is another. shape: AnswerRow::session, sorted.
+  std::vector<std::int64_t> artifact_flips;
+  std::vector<std::int64_t> material_flips;
+};
+
+struct ColumnUncertainty {
+  UncertaintyStatus status = UncertaintyStatus::kUntested;
+  std::array<RuleUncertainty, 2> by_rule;  ///< shape: in order of kRules
+
+  const RuleUncertainty& under(Rule rule) const { return by_rule[static_cast<std::size_t>(rule)]; }
+};
+
+/// EE of a column in a resample.
+enum class Resampled : std::uint8_t { kNone, kExists, kUntested };
+
+struct Uncertainty {
+  std::vector<ColumnUncertainty> columns;  ///< one for each finding, in its order
+  /// EE of every resample, for what is computed over columns. shape: by rule in order of kRules; resamples x
+  /// columns, row by row.
+  std::array<std::vector<Resampled>, 2> resamples;
+};
+
+/// Subjects are drawn with replacement, in each experiment by itself;
+/// flagged cells of a draw go through the same column rules as counts. The same answers and seed give the
+/// same numbers in whatever order they come. source: Efron and Tibshirani 1993, chapters 6, 11 and 13.
+Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
+                             const ResponseMatrix& artifact, const ResponseMatrix& material,
+                             const UncertaintyParams& params);
+
+/// True iff some level is free of artifacts and of the same material.
+bool is_any_equivalent(const Threshold& artifact, const Threshold& material);
+
+std::string format_uncertainty_status(UncertaintyStatus status);
+
+}  // namespace equilux

@@ -1,0 +1,102 @@
+// Cuts to windows.
+#include "analysis/window_choice.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "analysis/csv.h"
+#include "base/error.h"
+
+namespace equilux {
+namespace {
+
+constexpr std::int64_t kPredictedN = 1'000'000;
+
+int find_first_tested(const ColumnCounts& counts) {
+  const auto found =
+      std::find_if(counts.begin(), counts.end(), [](const auto& level) { return level.count.n > 0; });
+  return found->level;
+}
+
+std::size_t place_of(const Table& table, const std::string& name, std::string_view source) {
+  const auto found = std::find(table.columns.begin(), table.columns.end(), name);
+  if (found == table.columns.end())
+    throw InputError(source, "line 1", "the columns column, clamp and proportion",
+                     fmt::format("no {}", name));
+  return static_cast<std::size_t>(found - table.columns.begin());
+}
+
+double parse_proportion(const std::string& text, std::string_view source, const std::string& place) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= 1))
+    throw InputError(source, place, "a proportion of 0 to 1", fmt::format("\"{}\"", text.substr(0, 80)));
+  return value;
+}
+
+}  // namespace
+
+std::optional<int> choose_first_level(const ColumnCounts& counts, const std::vector<int>& clamp_levels,
+                                      Rule rule, int percent) {
+  const Threshold threshold = find_cut(counts, Experiment::kArtifact, rule, percent);
+  const int least = clamp_levels.front(), most = clamp_levels.back() - kWindowLevels + 1;
+  switch (threshold.status) {
+    case CutStatus::kUntested:
+      return std::nullopt;
+    case CutStatus::kCensoredLow:
+      return std::clamp(find_first_tested(counts) - kWindowLevels + 1, least, most);
+    case CutStatus::kCensoredHigh:
+      return std::clamp(*threshold.cut - 1, least, most);
+    case CutStatus::kNone:
+      return most;
+    case CutStatus::kCut:
+      break;
+  }
+  return std::clamp(*threshold.cut - kWindowLevels / 2, least, most);
+}
+
+std::map<Column, Window> choose_windows(const Study& study, const Tally& artifact, const Windows& standing,
+                                        Rule rule, WindowOrigin origin) {
+  std::map<Column, Window> windows;
+  for (const Column& column : enumerate_columns(study)) {
+    const auto first = choose_first_level(counts_of(artifact, column, study), study.clamp_levels, rule);
+    windows[column] = first ? Window{*first, origin} : standing.by_column.at(column);
+  }
+  return windows;
+}
+
+Tally parse_prediction(std::string_view text, std::string_view source, const Study& study) {
+  Tally tally;
+  for (const Cell& cell : enumerate_cells(study)) tally[cell] = {};
+  const Table table = parse_csv(text, source);
+  const std::size_t column = place_of(table, "column", source), clamp = place_of(table, "clamp", source),
+                    proportion = place_of(table, "proportion", source);
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    const std::string place = fmt::format("line {}", row + 2);
+    const Cell cell{parse_column(table.rows[row][column], source, place),
+                    parse_clamp_level(table.rows[row][clamp], source, place), study.normalise};
+    const auto found = tally.find(cell);
+    if (found == tally.end())
+      throw InputError(source, place, fmt::format("a cell of the study {}", study.name), format_key(cell));
+    const double value = parse_proportion(table.rows[row][proportion], source, place);
+    found->second = {std::llround(value * static_cast<double>(kPredictedN)), kPredictedN};
+  }
+  return tally;
+}
+
+std::string format_windows(const std::map<Column, Window>& windows, const Study& study,
+                           std::string_view description) {
+  Json rows{Json::Array{}};
+  for (const Column& column : enumerate_columns(study)) {
+    const Window& window = windows.at(column);
+    Json row;
+    row.set("column", format_key(column)).set("first", format_clamp(window.first_level));
+    rows.push(std::move(row.set("origin", format_origin(window.origin))));
+  }
+  Json json;
+  json.set("schema", "equilux-windows").set("schema_version", 1).set("description", description);
+  return format_json(json.set("windows", std::move(rows)));
+}
+
+}  // namespace equilux

@@ -1,0 +1,70 @@
+// Every cell of a report against R's own tails and intervals, and lme4 with psyphy's link on the exported
+// answers.
+#include <cstdlib>
+#include <gtest/gtest.h>
+
+#include "analysis/answers_export.h"
+#include "analysis/report_tables.h"
+#include "base/files.h"
+#include "tests/analysis/columns.h"
+#include "tests/experiment/child.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux::tests {
+namespace {
+
+bool has_r() {
+  return std::system("Rscript -e 'library(lme4); library(psyphy)' >/dev/null 2>&1") == 0;  // NOLINT
+}
+
+Evidence make_evidence(const PlantedStudy& planted) {
+  Evidence evidence;
+  evidence.kind = SubjectKind::kPlanted;
+  evidence.artifact.answers = planted.artifact;
+  evidence.material.answers = planted.material;
+  for (auto* experiment : {&evidence.artifact, &evidence.material}) {
+    for (int i = 1; i <= 14; ++i) {
+      SessionRow row;
+      row.id = i;
+      row.participant = fmt::format("P{}", i);
+      row.complete = true;
+      experiment->finished.push_back(row);
+    }
+  }
+  return evidence;
+}
+
+ChildResult run_script(const std::filesystem::path& folder) {
+  return Child("/usr/bin/env", {"Rscript", EQUILUX_SOURCE_DIR "/analysis/r/mixed_models.R",
+                                (folder / "answers.csv").string(), (folder / "cells.csv").string()})
+      .wait();
+}
+
+TEST(R, agrees_with_every_cell_and_fits_a_mixed_model) {
+  if (!has_r()) GTEST_SKIP() << "needs the Debian packages r-base-core, r-cran-lme4 and r-cran-psyphy";
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 8, 0.1);
+  const std::vector<Report> reports = {make_report(planted.study, make_evidence(planted), Rule::kPaper,
+                                                   {planted.selection, {}, {}}, {1, 10, 10})};
+  const TempFolder folder;
+  save_text(folder / "answers.csv", format_csv(make_answers_table(reports)));
+  Table cells = make_report_tables(reports).front().table;
+  save_text(folder / "cells.csv", format_csv(cells));
+  const ChildResult result = run_script(folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* words : {"q  ", "Clopper-Pearson, upper", "pocket artifact: 384 answers, 12 subjects",
+                            "distance", "overall pocket material"}) {
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
+  }
+  // The mutant: one more correct in a cell.
+  for (auto& row : cells.rows) {
+    if (row[8] != "0" && row[7] != row[8]) {
+      row[7] = fmt::format("{}", std::stoi(row[7]) + 1);
+      break;
+    }
+  }
+  save_text(folder / "cells.csv", format_csv(cells));
+  EXPECT_NE(run_script(folder.path()).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace equilux::tests

@@ -1,0 +1,228 @@
+// The files of a report: every column explained, the same numbers in all, the same bytes in any order of
+// files.
+#include "analysis/report_tables.h"
+
+#include <filesystem>
+#include <gtest/gtest.h>
+#include <map>
+
+#include "analysis/answers_export.h"
+#include "analysis/figure.h"
+#include "analysis/program.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "experiment/simulate.h"
+#include "tests/analysis/columns.h"
+#include "tests/experiment/fake_trials.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux::tests {
+namespace {
+namespace fs = std::filesystem;
+
+// A study folder with a log of planted answers, as equilux-session leaves it, but without pictures.
+void make_answered_folder(const fs::path& root, const std::string& protocol, std::uint64_t seed, int artifact,
+                          int material) {
+  const PlantedStudy planted = make_planted_study(protocol, artifact, material, seed, 0.05);
+  const StudyFolder folder{root};
+  make_folder(root);
+  save_text(folder.study(), format_json(planted.study.source));
+  fs::copy_file(planted.study.windows_path, folder.windows());
+  fs::copy_file(planted.study.truth_path, folder.truth());
+  Selection selection = planted.selection;
+  selection.answers_digest = digest_answers(planted.artifact);
+  save_selection(selection, folder.selection(SubjectKind::kPlanted));
+  TrialLog log(folder.responses(), true);
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    std::map<std::int64_t, std::vector<TrialRow>> sessions;
+    for (const AnswerRow& answer :
+         experiment == Experiment::kArtifact ? planted.artifact : planted.material) {
+      auto& trials = sessions[answer.subject_index];
+      TrialRow trial;
+      trial.number = static_cast<int>(trials.size());
+      trial.cell = answer.cell;
+      trial.test_key = trial.pair_key = format_key(Condition{answer.cell, 0});
+      trial.test_side = trials.size() % 2 == 0 ? Side::kLeft : Side::kRight;
+      const bool left = (trial.test_side == Side::kLeft) == answer.correct;
+      trial.answer = left ? Side::kLeft : Side::kRight;
+      trial.response_time_ns = 1'000'000'000 + static_cast<std::int64_t>(trials.size());
+      trial.answered_utc = "2026-01-31T12:00:00.000Z";
+      trials.push_back(trial);
+    }
+    for (const auto& [index, trials] : sessions) {
+      SessionRow row = make_fake_session(index, SubjectKind::kPlanted, experiment);
+      row.digests.study = planted.study.digest;
+      if (experiment == Experiment::kMaterial) {
+        row.digests.windows = "";
+        row.digests.selection = digest_selection(selection);
+      }
+      log.finish_session(log.append_session(row, trials), 1);
+    }
+  }
+}
+
+AnalyzeParams make_params(const std::vector<fs::path>& folders, const fs::path& out) {
+  AnalyzeParams params;
+  params.study_folders = folders;
+  params.out = out;
+  params.plot = false;
+  params.uncertainty = {1, 100, 100};
+  return params;
+}
+
+std::map<std::string, std::string> read_files(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    files[entry.path().filename().string()] = load_text(entry.path());
+  return files;
+}
+
+class Folders : public ::testing::Test {
+ protected:
+  Folders() {
+    make_answered_folder(temporary_ / "a", "pocket", 1, 12, 14);
+    make_answered_folder(temporary_ / "b", "pocket", 2, 7, 5);
+    make_answered_folder(temporary_ / "n", "normalisation", 3, 12, 14);
+  }
+  std::vector<Report> load(const std::vector<std::string>& names) const {
+    std::vector<fs::path> folders;
+    for (const std::string& name : names) folders.push_back(temporary_ / name);
+    return load_reports(make_params(folders, {}));
+  }
+  const TempFolder temporary_{find_memory_folder()};
+};
+
+TEST_F(Folders, of_one_study_are_pooled_and_others_stand_beside) {
+  const auto reports = load({"a", "b", "n"});
+  ASSERT_EQ(reports.size(), 2U);
+  EXPECT_EQ(reports[0].study.name, "normalisation");
+  EXPECT_EQ(reports[1].study.name, "pocket");
+  EXPECT_EQ(reports[1].evidence.artifact.finished.size(), 19U);
+  EXPECT_EQ(reports[1].evidence.material.finished.size(), 19U);
+  EXPECT_EQ(reports[1].artifact_subjects.sessions.size(), 19U);
+  const auto a = load({"a"}), b = load({"b"});
+  for (const auto& [cell, count] : reports[1].artifact) {
+    EXPECT_EQ(count.n, a[0].artifact.at(cell).n + b[0].artifact.at(cell).n);
+    EXPECT_EQ(count.k, a[0].artifact.at(cell).k + b[0].artifact.at(cell).k);
+  }
+}
+
+TEST_F(Folders, give_the_same_bytes_in_any_order) {
+  const fs::path first = temporary_ / "first", second = temporary_ / "second";
+  for (const auto& [out, names] :
+       std::map<fs::path, std::vector<std::string>>{{first, {"a", "b", "n"}}, {second, {"n", "b", "a"}}}) {
+    write_report(load(names), out);
+  }
+  EXPECT_EQ(read_files(first), read_files(second));
+}
+
+TEST_F(Folders, given_twice_or_with_answers_of_two_kinds_are_refused) {
+  EXPECT_THROW(load({"a", "a"}), InputError);
+  EXPECT_THROW(load_reports(make_params({temporary_ / "a", temporary_ / "./a/"}, {})), InputError);
+}
+
+TEST_F(Folders, make_tables_whose_every_column_is_explained) {
+  const auto reports = load({"a", "n"});
+  auto tables = make_report_tables(reports);
+  tables.push_back({"answers.csv", make_answers_table(reports)});
+  std::size_t columns = 0;
+  const Json metadata = make_csv_metadata(tables);
+  for (const Json& table : metadata.at("tables").as_array()) {
+    for (const Json& column : table.at("tableSchema").at("columns").as_array()) {
+      EXPECT_GT(column.at("dc:description").as_string().size(), 5U);
+      ++columns;
+    }
+  }
+  std::size_t expected = 0;
+  for (const ReportTable& table : tables) expected += table.table.columns.size();
+  EXPECT_EQ(columns, expected);
+  EXPECT_THROW(find_entry("cells.csv", "mood"), CheckFailure);
+}
+
+std::size_t place_of(const Table& table, const std::string& column) {
+  return static_cast<std::size_t>(std::find(table.columns.begin(), table.columns.end(), column) -
+                                  table.columns.begin());
+}
+
+std::int64_t sum_column(const Table& table, const std::string& column) {
+  std::int64_t sum = 0;
+  for (const auto& row : table.rows) sum += std::stoll(row[place_of(table, column)]);
+  return sum;
+}
+
+const Table& find_table(const std::vector<ReportTable>& tables, const std::string& file) {
+  return std::find_if(tables.begin(), tables.end(), [&](const auto& table) { return table.file == file; })
+      ->table;
+}
+
+TEST_F(Folders, have_the_same_sums_in_every_file) {
+  const auto reports = load({"a", "b", "n"});
+  const auto tables = make_report_tables(reports);
+  const Table answers = make_answers_table(reports);
+  EXPECT_EQ(sum_column(find_table(tables, "cells.csv"), "n"), std::ssize(answers.rows));
+  EXPECT_EQ(sum_column(find_table(tables, "cells.csv"), "k"), sum_column(answers, "correct"));
+  EXPECT_EQ(sum_column(find_table(tables, "subjects.csv"), "answered"), std::ssize(answers.rows));
+  EXPECT_EQ(sum_column(find_table(tables, "subjects.csv"), "correct"), sum_column(answers, "correct"));
+  const Json json = make_report_json(reports);
+  EXPECT_EQ(json.at("cells").as_array().size(), find_table(tables, "cells.csv").rows.size());
+  EXPECT_EQ(json.at("ee").as_array().size(), 8U + 12U);
+  for (const Json& row : json.at("ee").as_array()) EXPECT_TRUE(row.at("ee_paper").is_bool());
+  EXPECT_EQ(parse_json(format_json(json), "report.json"), json);
+}
+
+TEST_F(Folders, write_no_number_that_is_not_finite) {
+  for (const ReportTable& table : make_report_tables(load({"a", "b", "n"}))) {
+    for (const auto& row : table.table.rows) {
+      for (const std::string& field : row) {
+        EXPECT_NE(field, "nan");
+        EXPECT_NE(field, "-nan");
+        EXPECT_NE(field, "inf");
+      }
+    }
+  }
+}
+
+TEST_F(Folders, make_a_figure_for_each_illumination_and_one_of_plain_above_normalised) {
+  make_answered_folder(temporary_ / "paper", "paper", 4, 3, 3);
+  const auto reports = load({"paper", "n"});
+  const auto figures = make_figures(reports);
+  std::vector<std::string> names;
+  for (const Figure& figure : figures) names.push_back(figure.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"figure-paper-ind", "figure-paper-dir",
+                                             "figure-normalisation-ind", "figure-paper-normalisation"}));
+  EXPECT_EQ(figures[0].panels.size(), 20U);
+  EXPECT_EQ(figures[3].width, 4U);
+  EXPECT_EQ(figures[3].panels.size(), 8U);
+  const std::string text = format_figure(figures[3], Rule::kPaper, FigureFormat::kPdf, "it's.pdf");
+  EXPECT_NE(text.find("set output 'it''s.pdf'"), std::string::npos);
+}
+
+TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {
+  const fs::path out = temporary_ / "drawn";
+  fs::create_directories(out);
+  draw_figures(load({"a"}), out);
+  const auto files = read_files(out);
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_TRUE(files.at("figure-pocket-ind.pdf").starts_with("%PDF"));
+  for (const char* word : {"G0 MS", "G2 GS", "100k", "C10"})
+    EXPECT_NE(files.at("figure-pocket-ind.svg").find(word), std::string::npos) << word;
+}
+
+TEST_F(Folders, with_a_session_that_was_aborted_leave_it_out_and_say_so) {
+  TrialLog log(StudyFolder{temporary_ / "a"}.responses());
+  SessionRow row = make_fake_session(77, SubjectKind::kPlanted, Experiment::kArtifact);
+  row.digests.study = load_protocol("pocket").digest;
+  const auto id = log.append_session(row, make_fake_trials(5));
+  log.append_answer(id, {0, Side::kLeft, 1000}, 1, 5000);
+  const auto reports = load({"a"});
+  EXPECT_EQ(reports[0].evidence.artifact.finished.size(), 12U);
+  EXPECT_EQ(reports[0].artifact_subjects.sessions.size(), 13U);
+  const auto& warnings = reports[0].warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning == "1 artifact sessions were not finished: their 1 answers are left out.";
+  }));
+  EXPECT_NE(format_page(reports).find("not finished, left out"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace equilux::tests

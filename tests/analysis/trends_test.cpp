@@ -1,0 +1,172 @@
+// Trends against enumeration, the sign test and planted truths.
+#include "analysis/trends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "tests/analysis/columns.h"
+
+namespace equilux::tests {
+namespace {
+
+// R: p.adjust(c(.01, .04, .03, .005), "holm")
+TEST(Holm, adjusts_as_R_does) {
+  const auto adjusted = adjust_holm({0.01, 0.04, 0.03, 0.005});
+  const double expected[] = {0.03, 0.06, 0.06, 0.02};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(adjusted[i], expected[i], 1e-15);
+  EXPECT_TRUE(adjust_holm({}).empty());
+  EXPECT_EQ(adjust_holm({0.7, 0.7}), (std::vector<double>{1, 1}));
+}
+
+// R: binom.test(9, 10)$p.value is 22 / 1024; ties, two alike in a pair, tell nothing.
+TEST(PermutationTest, of_pairs_is_the_sign_test) {
+  std::vector<Stratum> pairs(10, {2, 1});
+  EXPECT_DOUBLE_EQ(eval_permutation_p(pairs, 8), 22.0 / 1024);
+  pairs.insert(pairs.end(), {{2, 0}, {2, 2}, {2, 2}});
+  EXPECT_DOUBLE_EQ(eval_permutation_p(pairs, 8), 22.0 / 1024);
+}
+
+// Three places with one 1 each: S is -2, 0 or 2, equally often.
+TEST(PermutationTest, of_triples_is_as_counted_by_hand) {
+  EXPECT_DOUBLE_EQ(eval_permutation_p({{3, 1}}, 2), 2.0 / 3);
+  EXPECT_DOUBLE_EQ(eval_permutation_p({{3, 1}, {3, 2}}, 4), 2.0 / 9);
+  EXPECT_DOUBLE_EQ(eval_permutation_p({{3, 1}, {3, 2}}, 0), 1.0);
+}
+
+TEST(PermutationTest, without_anything_that_differs_has_p_one) {
+  EXPECT_EQ(eval_permutation_p({}, 0), 1);
+  EXPECT_EQ(eval_permutation_p({{3, 0}, {3, 3}, {2, 2}}, 0), 1);
+}
+
+// 2,000 studies without a trend, seeds 1..2000, eight strata of three: p <= .05 in at most 5 % (exact tests
+// are conservative), three standard errors allowed.
+TEST(PermutationTest, rejects_no_more_often_than_its_level) {
+  int rejected = 0;
+  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
+    RandomStream random(seed, "no trend", 0);
+    std::vector<Stratum> strata;
+    std::int64_t statistic = 0;
+    for (int s = 0; s < 8; ++s) {
+      int y[3];
+      for (int& value : y) value = static_cast<int>(random.next_below(2));
+      strata.push_back({3, y[0] + y[1] + y[2]});
+      statistic += 2 * (y[2] - y[0]);
+    }
+    rejected += eval_permutation_p(strata, statistic) <= 0.05 ? 1 : 0;
+  }
+  EXPECT_LE(rejected, 2000 * 0.05 + 3 * std::sqrt(2000 * 0.05 * 0.95));
+  EXPECT_GT(rejected, 20) << "a test that never rejects";
+}
+
+struct Case {
+  Study study;
+  std::vector<ColumnFinding> findings;
+  Uncertainty uncertainty;
+};
+
+// Verdicts by hand; the resamples all agree with them.
+Case make_case(const std::string& name, const std::function<bool(const Column&)>& exists) {
+  Case made{load_protocol(name), {}, {}};
+  for (const Column& column : enumerate_columns(made.study)) {
+    ColumnFinding finding;
+    finding.column = column;
+    finding.by_rule[0].verdict = exists(column) ? Verdict::kExists : Verdict::kNone;
+    finding.by_rule[1].verdict = Verdict::kUntested;
+    made.findings.push_back(finding);
+    made.uncertainty.resamples[0].push_back(exists(column) ? Resampled::kExists : Resampled::kNone);
+    made.uncertainty.resamples[1].push_back(Resampled::kUntested);
+  }
+  return made;
+}
+
+const Trend& find_trend(const std::vector<Trend>& trends, const std::string& from, const std::string& to) {
+  return *std::find_if(trends.begin(), trends.end(),
+                       [&](const Trend& trend) { return trend.from == from && trend.to == to; });
+}
+
+TEST(Trends, of_the_paper_are_asked_along_counts_geometries_materials_and_illumination) {
+  const Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
+  const auto trends = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+  std::vector<std::string> names;
+  for (const Trend& trend : trends) names.push_back(trend.from + "-" + trend.to);
+  EXPECT_EQ(names, (std::vector<std::string>{"1k-5M", "1k-100k", "100k-5M", "G0-G3", "MS-MR", "MS-BS",
+                                             "BS-BR", "BS-GS", "ind-dir"}));
+  const Trend& counts = find_trend(trends, "1k", "5M");
+  EXPECT_EQ(counts.strata, 40);
+  EXPECT_EQ(counts.pairs, 120);
+  EXPECT_EQ(counts.gained, 80);
+  EXPECT_EQ(counts.lost, 0);
+  EXPECT_TRUE(counts.holds);
+  EXPECT_NEAR(*counts.effect, 80.0 / 120, 1e-15);
+  EXPECT_EQ(*counts.interval, (Interval{80.0 / 120, 80.0 / 120}));
+  for (const char* to : {"MR", "BS", "dir", "G3"}) {
+    const Trend& flat =
+        *std::find_if(trends.begin(), trends.end(), [&](const Trend& t) { return t.to == to; });
+    EXPECT_EQ(flat.status, TrendStatus::kFlat) << to;
+    EXPECT_EQ(flat.p, 1);
+    EXPECT_FALSE(flat.holds);
+  }
+  EXPECT_EQ(find_trend(trends, "100k", "5M").status, TrendStatus::kFlat);
+}
+
+TEST(Trends, of_a_material_step_are_lost_where_the_later_material_loses) {
+  const Case made = make_case("paper", [](const Column& column) { return column.object.material == "MS"; });
+  const auto trends = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+  const Trend& step = find_trend(trends, "MS", "MR");
+  EXPECT_EQ(step.lost, 24);
+  EXPECT_EQ(*step.effect, -1);
+  EXPECT_NEAR(step.p, std::ldexp(1.0, -23), 1e-18);
+  EXPECT_TRUE(step.holds);
+  EXPECT_TRUE(describe_trend(step).find("less often") != std::string::npos);
+}
+
+TEST(Trends, without_verdicts_have_no_pairs_and_no_number_that_is_not_finite) {
+  const Case made = make_case("paper", [](const Column&) { return true; });
+  for (const Trend& trend : find_trends(made.study, made.findings, Rule::kIsotonic, made.uncertainty)) {
+    EXPECT_EQ(trend.status, TrendStatus::kNoPairs);
+    EXPECT_FALSE(trend.effect || trend.interval);
+    EXPECT_EQ(trend.p, 1);
+    EXPECT_EQ(trend.p_holm, 1);
+  }
+}
+
+TEST(Trends, of_a_study_of_one_level_are_not_asked) {
+  const Case made = make_case("normalisation", [](const Column&) { return true; });
+  for (const Trend& trend : find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty))
+    EXPECT_TRUE(trend.factor == "vpls" || trend.factor == "geometry") << trend.factor;
+}
+
+// The normalised study has MR on G0..G3 at three counts, indirect-only: twelve columns of the paper's 120.
+TEST(Trends, from_plain_to_normalised_pair_the_columns_that_both_have) {
+  const Case plain = make_case("paper", [](const Column&) { return false; });
+  const Case normalised = make_case("normalisation", [](const Column&) { return true; });
+  const Trend trend =
+      compare_studies({"paper", plain.findings, plain.uncertainty},
+                      {"normalisation", normalised.findings, normalised.uncertainty}, Rule::kPaper);
+  EXPECT_EQ(trend.factor, "study");
+  EXPECT_EQ(trend.pairs, 12);
+  EXPECT_EQ(trend.gained, 12);
+  EXPECT_EQ(trend.effect, 1);
+  EXPECT_EQ(trend.interval, (Interval{1, 1}));
+  EXPECT_NEAR(trend.p, std::ldexp(1.0, -11), 1e-15);
+  EXPECT_TRUE(trend.holds);
+  const Case other = make_case("pocket", [](const Column&) { return true; });
+  EXPECT_EQ(compare_studies({"pocket", other.findings, other.uncertainty},
+                            {"normalisation", normalised.findings, normalised.uncertainty}, Rule::kPaper)
+                .status,
+            TrendStatus::kNoPairs);
+}
+
+TEST(Trends, do_not_hold_where_other_subjects_could_have_given_the_opposite) {
+  Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
+  const auto row = made.uncertainty.resamples[0];
+  auto& resamples = made.uncertainty.resamples[0];
+  for (int i = 0; i < 20; ++i) resamples.insert(resamples.end(), row.size(), Resampled::kNone);
+  resamples.insert(resamples.end(), row.begin(), row.end());
+  EXPECT_FALSE(
+      find_trend(find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty), "1k", "5M").holds);
+}
+
+}  // namespace
+}  // namespace equilux::tests

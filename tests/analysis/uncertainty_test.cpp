@@ -1,0 +1,276 @@
+// Posterior draws against exact probabilities, resampling against its binomial distribution, coverage by
+// simulation.
+#include "analysis/uncertainty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+#include "analysis/probability.h"
+#include "base/error.h"
+#include "tests/analysis/columns.h"
+
+namespace equilux::tests {
+namespace {
+
+struct Answered {
+  Study study;
+  std::vector<AnswerRow> artifact, material;
+  std::optional<Selection> selection = std::nullopt;
+
+  std::vector<ColumnFinding> find() const {
+    return find_equivalence(study, tally_answers(artifact, study), tally_answers(material, study),
+                            selection ? &*selection : nullptr);
+  }
+  std::vector<ColumnUncertainty> disturb(const UncertaintyParams& params) const {
+    return find_uncertainty(study, find(), make_response_matrix(artifact), make_response_matrix(material),
+                            params)
+        .columns;
+  }
+};
+
+Answered from(const PlantedStudy& planted) {
+  return {planted.study, planted.artifact, planted.material, planted.selection};
+}
+
+// Probability that level i is the first free one, and that level j is the last unchanged one, cells being
+// flagged independently: rule `paper` in closed form.
+double eval_exact_posterior(const ColumnFinding& finding) {
+  const auto flags = [](const ColumnCounts& counts) {
+    std::vector<double> over;
+    for (const LevelCount& level : counts) over.push_back(eval_posterior_over(level.count).value_or(-1));
+    return over;
+  };
+  const std::vector<double> artifact = flags(finding.artifact), material = flags(finding.material);
+  const auto tested = [](double over) { return over >= 0; };
+  const auto first_tested = std::find_if(artifact.begin(), artifact.end(), tested) - artifact.begin();
+  const auto first_material = std::find_if(material.begin(), material.end(), tested) - material.begin();
+  double probability = 0, none_behind = 1;
+  const auto unchanged_up_to_or_beyond = [&](std::ptrdiff_t level) {
+    double same = 1;
+    std::ptrdiff_t last = -1;
+    double sum = 0;
+    for (std::ptrdiff_t i = first_material; i < std::ssize(material); ++i) {
+      if (!tested(material[i])) continue;
+      if (last >= level) sum += same * material[i];
+      same *= 1 - material[i];
+      last = i;
+    }
+    return last >= level ? sum + same : sum;
+  };
+  for (std::ptrdiff_t i = std::ssize(artifact); i-- > 0;) {
+    if (!tested(artifact[i])) continue;
+    const double cut_after = none_behind * artifact[i];
+    if (i + 1 < std::ssize(artifact)) probability += cut_after * unchanged_up_to_or_beyond(i + 1);
+    none_behind *= 1 - artifact[i];
+  }
+  return probability + none_behind * unchanged_up_to_or_beyond(first_tested);
+}
+
+// Seed 3, 20,000 draws, 8 columns: four standard errors of each, 0.05 % in all.
+TEST(Posterior, of_equivalence_is_the_exact_one_under_the_rule_paper) {
+  const Answered answered = from(make_planted_study("pocket", 12, 14, 5, 0.2));
+  const auto findings = answered.find();
+  const auto results = answered.disturb({3, 20000, 1});
+  int uncertain = 0;
+  for (std::size_t c = 0; c < findings.size(); ++c) {
+    if (!results[c].under(Rule::kPaper).posterior) continue;
+    const double exact = eval_exact_posterior(findings[c]);
+    EXPECT_NEAR(*results[c].under(Rule::kPaper).posterior, exact,
+                4 * std::sqrt(exact * (1 - exact) / 20000) + 1e-12)
+        << format_key(findings[c].column);
+    uncertain += exact > 0.05 && exact < 0.95 ? 1 : 0;
+  }
+  EXPECT_GT(uncertain, 2) << "the test would be empty";
+}
+
+/// One column, one artifact level and one material level at the same clamp, k of n right in each.
+Answered make_two_cells(int k_artifact, int n_artifact, int k_material, int n_material) {
+  Answered answered;
+  answered.study = load_protocol("pocket");
+  const Column column = enumerate_columns(answered.study).front();
+  for (int i = 0; i < n_artifact; ++i)
+    answered.artifact.push_back({i + 1, i, {column, 5, false}, i < k_artifact});
+  for (int i = 0; i < n_material; ++i)
+    answered.material.push_back({i + 1, i, {column, 5, false}, i < k_material});
+  return answered;
+}
+
+double eval_upper_tail(int k, int n, double p) {
+  double tail = 0, term = std::pow(1 - p, n);
+  for (int i = 0; i <= n; ++i) {
+    if (i >= k) tail += term;
+    term *= p / (1 - p) * (n - i) / (i + 1);
+  }
+  return tail;
+}
+
+// A column tested at all eleven levels, whose proportions are all alike: pools of draws grow long, and their
+// products large. The isotonic posterior then lies between one and none, on the side of the truth; seed 5,
+// 2,000 draws.
+TEST(Posterior, of_long_pools_stays_on_the_side_of_the_counts) {
+  for (const bool low : {true, false}) {
+    Answered answered = make_two_cells(0, 0, 0, 0);
+    const Column column = enumerate_columns(answered.study).front();
+    for (int subject = 0; subject < 40; ++subject) {
+      for (int level = 0; level < 11; ++level) {
+        answered.artifact.push_back(
+            {subject + 1, subject, {column, level, false}, subject < (low ? 20 : 38)});
+        answered.material.push_back({subject + 1, subject, {column, level, false}, subject < 20});
+      }
+    }
+    const auto isotonic = answered.disturb({5, 2000, 10}).front().under(Rule::kIsotonic);
+    EXPECT_EQ(*isotonic.posterior > 0.95, low) << *isotonic.posterior;
+    EXPECT_EQ(*isotonic.posterior < 0.05, !low) << *isotonic.posterior;
+  }
+}
+
+// A resample of n subjects of whom k are right is Bin(n, k / n); EE is: neither cell flagged. Seed 4, 20,000
+// resamples, four standard errors.
+TEST(Bootstrap, over_subjects_of_one_cell_is_binomial) {
+  const Answered answered = make_two_cells(8, 12, 9, 14);
+  const double expected = (1 - eval_upper_tail(9, 12, 8.0 / 12)) * (1 - eval_upper_tail(11, 14, 9.0 / 14));
+  const auto result = answered.disturb({4, 1, 20000}).front();
+  EXPECT_EQ(result.status, UncertaintyStatus::kEstimated);
+  for (const Rule rule : kRules) {
+    EXPECT_NEAR(*result.under(rule).bootstrap, expected, 4 * std::sqrt(expected * (1 - expected) / 20000));
+  }
+}
+
+TEST(Bootstrap, of_answers_that_all_agree_knows_no_doubt) {
+  const Answered answered = make_two_cells(0, 12, 0, 14);
+  const auto paper = answered.disturb({1, 100, 100}).front().under(Rule::kPaper);
+  EXPECT_EQ(paper.bootstrap, 1.0);
+  EXPECT_EQ(paper.artifact_cut, (CutRange{5, 5}));
+  EXPECT_EQ(paper.material_cut, (CutRange{5, 5}));
+  EXPECT_TRUE(paper.artifact_flips.empty() && paper.material_flips.empty());
+}
+
+TEST(Bootstrap, shows_a_cut_that_may_lie_at_no_level_as_one_beyond_the_scale) {
+  Answered answered = make_two_cells(9, 12, 11, 14);
+  for (AnswerRow& row : answered.artifact) row.cell.clamp_level = 10;
+  for (AnswerRow& row : answered.material) row.cell.clamp_level = 10;
+  const auto paper = answered.disturb({1, 10, 2000}).front().under(Rule::kPaper);
+  EXPECT_EQ(paper.artifact_cut, (CutRange{10, 11}));
+  EXPECT_EQ(paper.material_cut, (CutRange{-1, 10}));
+}
+
+TEST(Flips, are_the_subjects_without_whom_the_verdict_is_another) {
+  // 8 of 12 is not flagged; without one who was wrong it is 8 of 11, which is not either: 800 < 825.
+  EXPECT_TRUE(
+      make_two_cells(8, 12, 0, 14).disturb({1, 1, 1}).front().under(Rule::kPaper).artifact_flips.empty());
+  // 9 of 12 is flagged; without one who was right it is 8 of 11, which is not.
+  const auto flips =
+      make_two_cells(9, 12, 0, 14).disturb({1, 1, 1}).front().under(Rule::kPaper).artifact_flips;
+  EXPECT_EQ(flips, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+}
+
+TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite) {
+  const auto status_of = [](const Answered& answered) { return answered.disturb({1, 50, 50}).front(); };
+  EXPECT_EQ(status_of(make_two_cells(0, 0, 0, 0)).status, UncertaintyStatus::kUntested);
+  EXPECT_EQ(status_of(make_two_cells(0, 12, 0, 0)).status, UncertaintyStatus::kUntested);
+  EXPECT_EQ(status_of(make_two_cells(1, 1, 1, 1)).status, UncertaintyStatus::kOneSubject);
+  EXPECT_FALSE(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).bootstrap);
+  EXPECT_TRUE(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).posterior);
+  for (const auto& [k, n] : std::vector<std::pair<int, int>>{{0, 12}, {12, 12}, {6, 12}, {0, 2}, {2, 2}}) {
+    const auto result = status_of(make_two_cells(k, n, k, n));
+    EXPECT_EQ(result.status, UncertaintyStatus::kEstimated);
+    for (const Rule rule : kRules) {
+      const RuleUncertainty& under = result.under(rule);
+      EXPECT_TRUE(*under.posterior >= 0 && *under.posterior <= 1);
+      EXPECT_TRUE(*under.bootstrap >= 0 && *under.bootstrap <= 1);
+      EXPECT_TRUE(under.artifact_cut && under.material_cut);
+    }
+  }
+}
+
+TEST(Uncertainty, of_a_column_that_pruning_dropped_says_that_it_has_no_candidates) {
+  Answered answered = make_two_cells(12, 12, 0, 0);
+  for (AnswerRow& row : answered.artifact) row.cell.clamp_level = 10;
+  const auto result = answered.disturb({1, 10, 10}).front();
+  EXPECT_EQ(result.status, UncertaintyStatus::kNoCandidates);
+  EXPECT_EQ(result.under(Rule::kPaper).artifact_cut, (CutRange{11, 11}));
+}
+
+// Seed 7: rows shuffled, subjects renamed and exchanged, the same numbers to the last bit.
+TEST(Uncertainty, is_the_same_under_permutation_of_rows_and_of_subjects) {
+  Answered answered = from(make_planted_study("pocket", 12, 14, 6, 0.1));
+  const auto before = answered.disturb({7, 200, 200});
+  RandomStream random(7, "permutation", 0);
+  shuffle(answered.artifact, random);
+  shuffle(answered.material, random);
+  for (AnswerRow& row : answered.artifact) row.session = row.subject_index = 100 - row.session;
+  const auto after = answered.disturb({7, 200, 200});
+  for (std::size_t c = 0; c < before.size(); ++c) {
+    for (const Rule rule : kRules) {
+      const RuleUncertainty &a = before[c].under(rule), &b = after[c].under(rule);
+      EXPECT_EQ(a.posterior, b.posterior);
+      EXPECT_EQ(a.bootstrap, b.bootstrap);
+      EXPECT_EQ(a.artifact_cut, b.artifact_cut);
+      EXPECT_EQ(a.material_cut, b.material_cut);
+      EXPECT_EQ(a.artifact_flips.size(), b.artifact_flips.size());
+    }
+  }
+}
+
+TEST(Uncertainty, depends_on_its_seed) {
+  const Answered answered = from(make_planted_study("pocket", 12, 14, 6, 0.3));
+  const auto first = answered.disturb({1, 200, 200}), second = answered.disturb({2, 200, 200});
+  bool differs = false;
+  for (std::size_t c = 0; c < first.size(); ++c) {
+    differs |= first[c].under(Rule::kPaper).bootstrap != second[c].under(Rule::kPaper).bootstrap;
+  }
+  EXPECT_TRUE(differs);
+}
+
+TEST(ResponseMatrix, counts_what_the_tally_counts) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 6, 0.3);
+  const ResponseMatrix matrix = make_response_matrix(planted.artifact);
+  const Tally tally = tally_answers(planted.artifact, planted.study);
+  const auto counts = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
+  EXPECT_EQ(matrix.subjects(), 12U);
+  for (std::size_t c = 0; c < counts.size(); ++c) EXPECT_EQ(counts[c], tally.at(matrix.cells[c]));
+}
+
+TEST(ResponseMatrix, names_a_cell_that_a_session_answered_twice) {
+  std::vector<AnswerRow> answers = make_two_cells(3, 4, 0, 0).artifact;
+  answers.push_back(answers.front());
+  EXPECT_THROW(make_response_matrix(answers), InputError);
+}
+
+TEST(ResponseMatrix, of_nothing_is_empty) {
+  EXPECT_EQ(make_response_matrix({}).subjects(), 0U);
+  EXPECT_TRUE(count_weighted(make_response_matrix({}), {}).empty());
+}
+
+// A column whose true proportions cross the cut between C4 and C5 under both experiments' rules: how often
+// the range of its artifact cut holds the cut that the true proportions have. 300 studies of 12 subjects,
+// seeds 1..300; a percentile range over four levels is coarse and holds it more often than 95 %: at least
+// 0.95 less three standard errors.
+TEST(Uncertainty, ranges_of_cuts_hold_the_true_cut_at_their_level) {
+  Answered answered;
+  answered.study = load_protocol("pocket");
+  const Column column = enumerate_columns(answered.study).front();
+  const double truth[] = {0.95, 0.85, 0.6, 0.5};  // C3 .. C6: the cut is C5
+  constexpr int kStudies = 300;
+  int held = 0, mutant = 0;
+  for (int study = 1; study <= kStudies; ++study) {
+    answered.artifact.clear();
+    for (int subject = 0; subject < 12; ++subject) {
+      RandomStream random(static_cast<std::uint64_t>(study), "coverage", static_cast<std::uint64_t>(subject));
+      for (int i = 0; i < 4; ++i)
+        answered.artifact.push_back(
+            {subject + 1, subject, {column, 3 + i, false}, random.next_double() < truth[i]});
+    }
+    const auto range = answered.disturb({1, 1, 400}).front().under(Rule::kPaper).artifact_cut;
+    ASSERT_TRUE(range);
+    held += range->lower <= 5 && 5 <= range->upper ? 1 : 0;
+    mutant += range->lower <= 7 && 7 <= range->upper ? 1 : 0;
+  }
+  const double floor = 0.95 - 3 * std::sqrt(0.95 * 0.05 / kStudies);
+  EXPECT_GE(held, floor * kStudies);
+  EXPECT_LT(mutant, floor * kStudies) << "two levels off must not be held";
+}
+
+}  // namespace
+}  // namespace equilux::tests
