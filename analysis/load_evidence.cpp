@@ -27,7 +27,7 @@ Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optio
   if (!std::filesystem::exists(folder.responses())) {
     throw InputError(source, "", "the answers of `equilux-session`", "no file");
   }
-  const TrialLog log(folder.responses());
+  const TrialLog log = TrialLog::load_snapshot(folder.responses());
   const auto sessions = log.load_sessions();
   Evidence evidence;
   evidence.kind = choose_kind(sessions, wanted, source);

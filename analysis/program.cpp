@@ -205,7 +205,7 @@ int run_prune(const AnalyzeParams& params) {
   const auto path = folder.selection(evidence.kind);
   std::optional<Selection> standing;
   if (std::filesystem::exists(path)) standing = load_selection(path, study);
-  const auto used = find_used_selections(TrialLog(folder.responses()), evidence.kind);
+  const auto used = find_used_selections(TrialLog::load_snapshot(folder.responses()), evidence.kind);
   const PruneOutcome outcome = decide_pruning(fresh, standing, used);
   if (outcome == PruneOutcome::kWritten) save_selection(fresh, path);
   fmt::print("{}{}{}", describe_sessions(evidence.artifact, Experiment::kArtifact),

@@ -15,21 +15,6 @@ namespace {
 constexpr std::size_t kExactFlips = 16;  ///< subjects up to whom all sign flips are tried
 constexpr int kDraws = 10000;            ///< of sign flips beyond, and of bootstraps
 
-enum class Phase { kPractice, kMain, kCatch };
-
-// A log of schema version 1 has main trials only.
-template <typename Trial>
-Phase phase_of(const Trial& trial) {
-  if constexpr (requires { trial.phase; }) {
-    using Given = decltype(trial.phase);
-    return trial.phase == Given::kMain    ? Phase::kMain
-           : trial.phase == Given::kCatch ? Phase::kCatch
-                                          : Phase::kPractice;
-  } else {
-    return Phase::kMain;
-  }
-}
-
 std::optional<double> find_median(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -167,7 +152,7 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Tr
   summary.complete = session.complete;
   std::vector<const TrialRow*> main;
   for (const TrialRow& trial : trials) {
-    const Phase phase = phase_of(trial);
+    const Phase phase = trial.phase;
     if (phase == Phase::kMain) main.push_back(&trial);
     if (phase != Phase::kCatch || !trial.answer) continue;
     ++summary.caught.n;

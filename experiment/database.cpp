@@ -83,7 +83,8 @@ Database::Database(const std::filesystem::path& path, OpenMode mode)
     : path_(path), handle_(nullptr, Close{is_to_be_written(mode)}) {
   sqlite3* handle = nullptr;
   const Opening opening = plan_opening(path, mode);
-  const int code = sqlite3_open_v2(opening.file.c_str(), &handle, opening.flags, opening.vfs);
+  const int code =
+      sqlite3_open_v2(opening.file.c_str(), &handle, opening.flags | SQLITE_OPEN_NOMUTEX, opening.vfs);
   handle_.reset(handle);
   if (code != SQLITE_OK) fail("open");
   sqlite3_extended_result_codes(handle, 1);

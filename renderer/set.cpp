@@ -60,9 +60,8 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
   copy_once(study.windows_path, folder.windows(), study, load_windows);
   copy_once(study.truth_path, folder.truth(), study, load_truth);
   if (!study.session_path.empty())
-    copy_once(study.session_path, folder.session(), study, [](const fs::path& path, const Study&) {
-      return load_session_protocol(path);
-    });
+    copy_once(study.session_path, folder.session(), study,
+              [](const fs::path& path, const Study&) { return load_session_protocol(path); });
   save_text(folder.study(), format_json(study.source));
 }
 
