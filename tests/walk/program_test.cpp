@@ -24,14 +24,19 @@ struct Subcommand {
   bool takes_several = false;
 };
 
-const std::vector<Subcommand> kSubcommands = {
-    {"render", "set"},      {"render", "image"},     {"render", "tonemap"},
-    {"render", "converge"}, {"render", "plan"},      {"render", "gather"},
-    {"render", "submit"},   {"render", "verify"},    {"render", "explain"},
-    {"render", "describe"}, {"render", "prove"},     {"render", "sheet"},
-    {"render", "export"},   {"session", "simulate"}, {"session", "run", false},
-    {"session", "status"},  {"analyze", "prune"},    {"analyze", "report", true, true},
-    {"analyze", "export"},  {"analyze", "plan"},     {"analyze", "windows"}};
+const std::vector<Subcommand> kSubcommands = {{"render", "set"},         {"render", "image"},
+                                              {"render", "tonemap"},     {"render", "converge"},
+                                              {"render", "plan"},        {"render", "gather"},
+                                              {"render", "submit"},      {"render", "verify"},
+                                              {"render", "explain"},     {"render", "describe"},
+                                              {"render", "prove"},       {"render", "sheet"},
+                                              {"render", "export"},      {"session", "simulate"},
+                                              {"session", "run", false}, {"session", "status"},
+                                              {"session", "browse"},     {"session", "export"},
+                                              {"session", "withdraw"},   {"session", "merge", true, true},
+                                              {"analyze", "prune"},      {"analyze", "report", true, true},
+                                              {"analyze", "export"},     {"analyze", "plan"},
+                                              {"analyze", "windows"}};
 const std::vector<std::string> kPrograms = {"render", "session", "analyze"};
 
 std::string describe(const std::string& program, const Words& words) {
