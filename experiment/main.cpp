@@ -12,7 +12,6 @@
 #include "experiment/simulate.h"
 #ifdef EQUILUX_WINDOW
 #include "experiment/app/app.h"
-#include "experiment/app/browser.h"
 #endif
 
 namespace equilux {

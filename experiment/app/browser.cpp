@@ -1,6 +1,4 @@
 // Two screens, the grid and one picture; keys and clicks for both.
-#include "experiment/app/browser.h"
-
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
+#include "experiment/app/app.h"
 #include "experiment/app/background_render.h"
 #include "experiment/app/gui.h"
 #include "experiment/app/pages.h"

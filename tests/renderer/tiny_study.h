@@ -50,6 +50,7 @@ class TinyStudy {
       json.set("paths", parse_json(R"({"object_indirect":32,"object_direct":32,"background":32})", ""));
     }
     json.set("normalise", normalise).set("windows", "windows.json").set("truth", "truth.json");
+    json.set("session", "session.json");
     const std::string illuminations = one_light ? R"(["ind"])" : R"(["ind","dir"])";
     json.set("blocks",
              parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":["MS","GS"],"illuminations":)" +
@@ -67,6 +68,8 @@ class TinyStudy {
       }
     }
     save_text(path_, format_json(json));
+    save_text(folder_ / "session.json",
+              format_json(Json().set("schema", "equilux-session").set("schema_version", 1)));
     save_text(folder_ / "windows.json",
               format_json(
                   Json().set("schema", "equilux-windows").set("schema_version", 1).set("windows", windows)));
