@@ -1,6 +1,7 @@
 // Loops around pages: draw, wait, read.
 #include "experiment/app/intake_window.h"
 
+#include <deque>
 #include <functional>
 
 #include "experiment/app/screens.h"
@@ -19,6 +20,7 @@ bool is_press(const InputEvent& event, Key key) {
 bool run_page(AppWindow& window, Gui& gui, const std::function<bool()>& draw,
               const std::function<bool(const InputEvent&)>& read) {
   window.take_events();
+  std::deque<InputEvent> waiting;  // each is read when what came before it has been laid out
   bool is_left = false;
   while (!is_left) {
     window.clear();
@@ -27,10 +29,14 @@ bool run_page(AppWindow& window, Gui& gui, const std::function<bool()>& draw,
     gui.end_frame();
     window.swap();
     if (is_left) break;
-    window.wait(gui.has_events() ? 0 : kPatienceS);
-    const auto events = window.take_events();
-    gui.take(events);
-    for (const InputEvent& event : events) is_left = read(event) || is_left;
+    window.wait(gui.has_events() || !waiting.empty() ? 0 : kPatienceS);
+    for (const InputEvent& event : window.take_events()) waiting.push_back(event);
+    if (!gui.has_events() && !waiting.empty()) {
+      const InputEvent event = waiting.front();
+      waiting.pop_front();
+      gui.take({event});
+      is_left = read(event);
+    }
     if (window.is_closing()) return false;
   }
   return true;

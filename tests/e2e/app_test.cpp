@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <thread>
 
 #include "tests/e2e/small_study.h"
 #include "tests/e2e/watched_session.h"
@@ -434,6 +435,9 @@ constexpr const char* kWholeProtocol = R"({
 
 void write_protocol(const StudyFolder& folder) { std::ofstream(folder.session()) << kWholeProtocol; }
 
+// A page after an answer takes no press for .3 s.
+void wait_out_page_guard() { std::this_thread::sleep_for(std::chrono::milliseconds(500)); }
+
 TEST_F(AppTest, AWholeProtocolLeadsFromConsentToThanks) {
   const StudyFolder folder = make_study(kPaperPlan);
   write_protocol(folder);
@@ -448,7 +452,7 @@ TEST_F(AppTest, AWholeProtocolLeadsFromConsentToThanks) {
   display.type_key("Return");
   session.wait_for_error("protocol-question-missing");  // acuity is required
   ASSERT_FALSE(HasFatalFailure());
-  for (const char* key : {"Tab", "Down", "Down", "space"}) display.type_key(key);  // over two lines of ages
+  display.click(274, 441);  // "well, without glasses or lenses"
   session.wait_for_page("protocol-question-answered");
   ASSERT_FALSE(HasFatalFailure());
   display.type_key("Return");
@@ -470,14 +474,17 @@ TEST_F(AppTest, AWholeProtocolLeadsFromConsentToThanks) {
     session.answer_by_key((trials[i].test_side == Side::kLeft) == right ? Side::kLeft : Side::kRight);
     session.wait_for_page(right ? "protocol-feedback-right" : "protocol-feedback-wrong");
     ASSERT_FALSE(HasFatalFailure());
+    wait_out_page_guard();
     display.type_key("space");
   }
   session.wait_for_page("protocol-main");
   ASSERT_FALSE(HasFatalFailure());
+  wait_out_page_guard();
   display.type_key("space");
   answer_all(session, trials, 2, 8);
   session.wait_for_page("protocol-break");
   ASSERT_FALSE(HasFatalFailure());
+  wait_out_page_guard();
   display.type_key("space");
   answer_all(session, trials, 8, 12);
   session.wait_for_page("protocol-thanks");
