@@ -2,13 +2,11 @@
 #include "analysis/figure.h"
 
 #include <algorithm>
-#include <csignal>
-#include <cstdio>
-#include <sys/wait.h>
 
 #include "analysis/tables.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/gnuplot.h"
 
 namespace equilux {
 namespace {
@@ -118,29 +116,6 @@ std::string format_panel(const FigurePanel& panel, Rule rule) {
   return text + plot + labels + "\n";
 }
 
-// A program that ends early closes the pipe: that is an answer, not our death.
-class IgnoredPipeSignal {
- public:
-  IgnoredPipeSignal() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
-  ~IgnoredPipeSignal() { std::signal(SIGPIPE, before_); }
-  IgnoredPipeSignal(const IgnoredPipeSignal&) = delete;
-  IgnoredPipeSignal& operator=(const IgnoredPipeSignal&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
-int run_gnuplot(const std::string& commands) {
-  const IgnoredPipeSignal ignored;
-  FILE* pipe = popen("command -v gnuplot >/dev/null || exit 127; exec gnuplot", "w");
-  if (!pipe) return -1;
-  std::fwrite(commands.data(), 1, commands.size(), pipe);
-  const int status = pclose(pipe);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-constexpr int kNoSuchCommand = 127;
-
 }  // namespace
 
 std::vector<Figure> make_figures(const std::vector<Report>& reports) {
@@ -185,7 +160,7 @@ void draw_plot(const std::filesystem::path& file,
                const std::function<std::string(const std::filesystem::path&)>& make) {
   save_atomically(file, [&](const std::filesystem::path& part) {
     const int status = run_gnuplot(make(part));
-    if (status == kNoSuchCommand) {
+    if (status == kNoGnuplot) {
       throw InputError("gnuplot", "", "one with SVG and PDF (Debian package gnuplot-nox), or --no-plot",
                        "none");
     }

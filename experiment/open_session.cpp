@@ -220,7 +220,8 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
     }
     unfinished = row;
   }
-  if (unfinished) check_may_resume(inputs, *unfinished, log.load_trials(unfinished->id), request.now_utc);
+  if (unfinished && inputs.kind == SubjectKind::kPerson)
+    check_may_resume(inputs, *unfinished, log.load_trials(unfinished->id), request.now_utc);
   return unfinished;
 }
 

@@ -68,7 +68,7 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
 
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
-/// picture is missing, if the participant has finished this experiment, if the protocol lets nobody go on
+/// picture is missing, if the participant has finished this experiment, if the protocol lets no person go on
 /// with an interrupted session, or not after so long, or if an earlier session of this experiment and kind
 /// was made from other digests; StoreError from the log.
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request);

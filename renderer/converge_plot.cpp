@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <cstdio>
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/gnuplot.h"
 
 namespace equilux {
 namespace {
@@ -78,28 +76,6 @@ std::string format_ranges(const Convergence& convergence) {
 // Told apart by colour and by mark. source: Okabe and Ito's palette for all kinds of colour vision.
 constexpr const char* kColours[] = {"#000000", "#e69f00", "#56b4e9", "#009e73",
                                     "#0072b2", "#d55e00", "#cc79a7"};
-
-// A program that ends early closes the pipe: that is an answer, not our death.
-class IgnoredPipeSignal {
- public:
-  IgnoredPipeSignal() : before_(std::signal(SIGPIPE, SIG_IGN)) {}
-  ~IgnoredPipeSignal() { std::signal(SIGPIPE, before_); }
-  IgnoredPipeSignal(const IgnoredPipeSignal&) = delete;
-  IgnoredPipeSignal& operator=(const IgnoredPipeSignal&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
-// Runs gnuplot on commands; gives its exit status, or -1.
-int run_gnuplot(const std::string& commands) {
-  const IgnoredPipeSignal ignored;
-  FILE* pipe = popen("gnuplot", "w");
-  if (!pipe) return -1;
-  std::fwrite(commands.data(), 1, commands.size(), pipe);
-  const int status = pclose(pipe);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 }  // namespace
 

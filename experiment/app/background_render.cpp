@@ -49,6 +49,7 @@ void BackgroundRender::start(const std::filesystem::path& study_file, const std:
     throw StoreError(fmt::format("cannot start {}: {}", program, std::strerror(errno)));
   pid_ = ::fork();
   if (pid_ == 0) become(program, study, root, ends[1]);
+  if (pid_ > 0) ::setpgid(pid_, pid_);  // here too: it may be paused before it has got so far
   ::close(ends[1]);
   if (output_ >= 0) ::close(output_);
   output_ = ends[0];

@@ -33,6 +33,12 @@ int count_object_pages(const std::vector<FamiliarPage>& pages) {
                                         [](const FamiliarPage& page) { return page.right_key.empty(); }));
 }
 
+// None before all were answered.
+std::string find_verdict(const CatchTrials& asked, int caught, int answered) {
+  if (answered < asked.count) return "; not all were answered";
+  return caught >= asked.pass ? "" : ": NOT PASSED";
+}
+
 std::string number(int value) { return fmt::format("{}", value); }
 
 bool is_leaving(const InputEvent& event) {
@@ -60,7 +66,7 @@ std::vector<std::string> summarise(const Session& session, const SessionProtocol
   if (protocol.catch_trials) {
     lines.push_back(fmt::format("Catch trials: {} of {} right; {} is asked of a subject who attends{}.",
                                 caught, catches, protocol.catch_trials->pass,
-                                caught >= protocol.catch_trials->pass ? "" : ": NOT PASSED"));
+                                find_verdict(*protocol.catch_trials, caught, catches)));
   }
   if (protocol.least_response_ms > 0)
     lines.push_back(fmt::format("Answers in less than {} ms: {}.", protocol.least_response_ms, fast));

@@ -325,6 +325,15 @@ TEST_F(OpenSessionByProtocol, LetsASessionGoOnForSoLong) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours"), HasSubstr("48.0 hours ago"))));
 }
 
+// Nobody waits for a planted subject: its sessions go on whenever the program runs again.
+TEST_F(OpenSessionByProtocol, LimitsTheResumingOfPersonsAlone) {
+  save_protocol(R"("resume": {"allowed": false})");
+  SessionRequest request = request_of("planted-1-0");
+  request.kind = SubjectKind::kPlanted;
+  open_session(folder_, log_, request);
+  EXPECT_TRUE(open_session(folder_, log_, request).resumed);
+}
+
 TEST(LaneText, IsTheNumberOfAStationOfSoMany) {
   EXPECT_EQ(parse_lane("2/3", "--station").first, 1);
   EXPECT_EQ(parse_lane("2/3", "--station").step, 3);
