@@ -121,11 +121,13 @@ std::string format_order(const OrderEffect& order, Experiment experiment) {
   if (!order.correct || !order.p)
     return fmt::format("<li>{}: {} finished sessions, too few to say.</li>\n", name, order.subjects);
   return fmt::format(
-      "<li>{}: {} subjects were correct {:+.1f} percentage points more often in the second half than in the "
-      "first (95&nbsp;% interval {:+.1f} to {:+.1f}, p&nbsp;=&nbsp;{} by sign flips){}.</li>\n",
+      "<li>{}: from the first half of a session to the second the share of right answers of {} subjects "
+      "changed by "
+      "{:+.1f} percentage points (95&nbsp;% interval {:+.1f} to {:+.1f}, p&nbsp;=&nbsp;{} by sign "
+      "flips){}.</li>\n",
       name, order.subjects, 100 * *order.correct, 100 * order.interval->lower, 100 * order.interval->upper,
       format_small(*order.p),
-      order.speed ? fmt::format(", and took {:.2f} times as long for an answer", *order.speed) : "");
+      order.speed ? fmt::format("; an answer took {:.2f} times as long", *order.speed) : "");
 }
 
 std::string format_flipped(const Report& report) {
