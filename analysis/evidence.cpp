@@ -12,6 +12,13 @@
 namespace equilux {
 namespace {
 
+void reserve_answers(const std::vector<Evidence>& parts, ExperimentEvidence Evidence::*experiment,
+                     std::vector<AnswerRow>& all) {
+  std::size_t count = 0;
+  for (const Evidence& part : parts) count += (part.*experiment).answers.size();
+  all.reserve(count);
+}
+
 template <typename T>
 void append(std::vector<T>& all, std::vector<T>& more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
@@ -96,6 +103,8 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
   if (parts.size() == 1) return std::move(parts.front());
   Evidence all;
   all.kind = parts.front().kind;
+  reserve_answers(parts, &Evidence::artifact, all.artifact.answers);
+  reserve_answers(parts, &Evidence::material, all.material.answers);
   std::int64_t next = 1;
   std::multiset<std::string> artifact_digests, material_digests;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -111,21 +120,20 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
     material_digests.insert(parts[i].material.digest);
     add_part(all.artifact, parts[i].artifact);
     add_part(all.material, parts[i].material);
+    all.withdrawn += parts[i].withdrawn;
   }
   all.artifact.digest = digest_text(fmt::format("{}", fmt::join(artifact_digests, "\n")));
   all.material.digest = digest_text(fmt::format("{}", fmt::join(material_digests, "\n")));
   return all;
 }
 
-ExperimentEvidence leave_out(const ExperimentEvidence& evidence, const std::vector<std::int64_t>& sessions) {
-  const auto is_out = [&](std::int64_t session) {
-    return std::find(sessions.begin(), sessions.end(), session) != sessions.end();
-  };
-  ExperimentEvidence rest = evidence;
-  std::erase_if(rest.finished, [&](const SessionRow& row) { return is_out(row.id); });
-  std::erase_if(rest.answers, [&](const AnswerRow& row) { return is_out(row.session); });
-  std::erase_if(rest.summaries, [&](const SessionSummary& row) { return is_out(row.session); });
-  return rest;
+std::vector<AnswerRow> select_answers(const ExperimentEvidence& evidence,
+                                      const std::vector<std::int64_t>& sessions) {
+  std::vector<AnswerRow> answers;
+  for (const AnswerRow& answer : evidence.answers) {
+    if (std::binary_search(sessions.begin(), sessions.end(), answer.session)) answers.push_back(answer);
+  }
+  return answers;
 }
 
 }  // namespace equilux

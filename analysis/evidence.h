@@ -24,6 +24,7 @@ struct Evidence {
   SubjectKind kind = SubjectKind::kPerson;
   ExperimentEvidence artifact;
   ExperimentEvidence material;
+  std::int64_t withdrawn = 0;  ///< participants of any kind whose answers were erased at their wish
 
   const ExperimentEvidence& of(Experiment experiment) const {
     return experiment == Experiment::kArtifact ? artifact : material;
@@ -47,8 +48,9 @@ Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optio
 /// `parts`, and the folder of each beside it. errors: InputError for parts of different kinds.
 Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::string>& folders);
 
-/// The evidence without these sessions of an experiment.
-ExperimentEvidence leave_out(const ExperimentEvidence& evidence, const std::vector<std::int64_t>& sessions);
+/// The answers of these sessions of an experiment. `sessions` is sorted.
+std::vector<AnswerRow> select_answers(const ExperimentEvidence& evidence,
+                                      const std::vector<std::int64_t>& sessions);
 
 /// Digests of the selections that the material sessions were made from, finished or not, each once.
 std::vector<std::string> find_used_selections(const TrialLog& log, SubjectKind kind);

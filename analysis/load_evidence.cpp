@@ -1,22 +1,53 @@
 // The one file of analysis that opens the log.
+#include <algorithm>
 #include <set>
 
 #include "analysis/evidence.h"
 #include "base/error.h"
+#include "protocols/session_protocol.h"
 
 namespace equilux {
 namespace {
 
-ExperimentEvidence load_experiment(const TrialLog& log, const std::vector<SessionRow>& sessions,
-                                   SubjectKind kind, Experiment experiment, const Study& study,
-                                   const std::string& source) {
-  ExperimentEvidence evidence = gather_sessions(sessions, kind, experiment, study, source);
-  evidence.answers = log.load_answers(kind, experiment);
-  evidence.digest = digest_answers(evidence.answers);
-  for (const SessionRow& session : sessions) {
-    if (session.kind == kind && session.experiment == experiment)
-      evidence.summaries.push_back(summarise_session(session, log.load_trials(session.id)));
+struct LogReading {
+  const TrialLog& log;
+  std::vector<SessionRow> sessions;
+  SessionProtocol protocol;  ///< of the folder now
+  std::string source;
+};
+
+SessionSummary summarise(const LogReading& reading, const SessionRow& session,
+                         const std::vector<TrialRow>& trials) {
+  SessionSummary summary = summarise_session(session, trials);
+  if (!session.complete) summary.abort_reason = find_abort_reason(reading.log.load_events(session.id));
+  const auto& asked = reading.protocol.catch_trials;
+  const bool has_catch_trials = std::any_of(
+      trials.begin(), trials.end(), [](const TrialRow& trial) { return trial.phase == Phase::kCatch; });
+  if (asked && has_catch_trials && session.digests.protocol == reading.protocol.digest)
+    summary.catch_pass = asked->pass;
+  return summary;
+}
+
+void append_answers(std::vector<AnswerRow>& answers, const SessionRow& session,
+                    const std::vector<TrialRow>& trials) {
+  for (const TrialRow& trial : trials) {
+    if (trial.phase == Phase::kMain)
+      answers.push_back({session.id, session.subject_index, trial.cell, trial.answer == trial.test_side});
   }
+}
+
+// Each trial is read once.
+ExperimentEvidence load_experiment(const LogReading& reading, SubjectKind kind, Experiment experiment,
+                                   const Study& study) {
+  ExperimentEvidence evidence = gather_sessions(reading.sessions, kind, experiment, study, reading.source);
+  for (const SessionRow& session : reading.sessions) {
+    if (session.kind != kind || session.experiment != experiment) continue;
+    const auto trials = reading.log.load_brief_trials(session.id);
+    if (evidence.answers.empty()) evidence.answers.reserve(trials.size() * evidence.finished.size());
+    if (session.complete) append_answers(evidence.answers, session, trials);
+    evidence.summaries.push_back(summarise(reading, session, trials));
+  }
+  evidence.digest = digest_answers(evidence.answers);
   return evidence;
 }
 
@@ -28,11 +59,12 @@ Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optio
     throw InputError(source, "", "the answers of `equilux-session`", "no file");
   }
   const TrialLog log = TrialLog::load_snapshot(folder.responses());
-  const auto sessions = log.load_sessions();
+  const LogReading reading{log, log.load_sessions(), load_session_protocol(folder.session()), source};
   Evidence evidence;
-  evidence.kind = choose_kind(sessions, wanted, source);
-  evidence.artifact = load_experiment(log, sessions, evidence.kind, Experiment::kArtifact, study, source);
-  evidence.material = load_experiment(log, sessions, evidence.kind, Experiment::kMaterial, study, source);
+  evidence.kind = choose_kind(reading.sessions, wanted, source);
+  evidence.artifact = load_experiment(reading, evidence.kind, Experiment::kArtifact, study);
+  evidence.material = load_experiment(reading, evidence.kind, Experiment::kMaterial, study);
+  evidence.withdrawn = log.count_withdrawn();
   return evidence;
 }
 

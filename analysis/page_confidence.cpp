@@ -98,13 +98,27 @@ std::vector<std::string> trend_fields(const Trend& trend) {
           format_small(trend.p_holm)};
 }
 
+std::string format_standing(const SubjectFinding& finding) {
+  const SessionSummary& summary = finding.summary;
+  if (summary.complete) return format_marks(finding.marks);
+  if (!summary.abort_reason) return "not finished, left out";
+  return fmt::format("ended early ({}), left out",
+                     summary.abort_reason->empty() ? "no reason given" : escape_xml(*summary.abort_reason));
+}
+
+std::string format_catch(const SessionSummary& summary) {
+  if (summary.caught.n == 0) return kDash;
+  return fmt::format("{} of {}{}", summary.caught.k, summary.caught.n,
+                     summary.catch_pass ? fmt::format(", {} asked", *summary.catch_pass) : "");
+}
+
 std::vector<std::string> subject_fields(Experiment experiment, const SubjectFinding& finding) {
   const SessionSummary& s = finding.summary;
   const std::int64_t correct = s.first_half.k + s.second_half.k;
   return {
       format_experiment(experiment),
       escape_xml(s.folder.empty() ? s.participant : s.folder + ": " + s.participant),
-      s.complete ? format_marks(finding.marks) : "not finished, left out",
+      format_standing(finding),
       fmt::format("{} of {}", s.answered, s.scheduled),
       s.answered > 0 ? fmt::format("{:.3f}", static_cast<double>(correct) / static_cast<double>(s.answered))
                      : kDash,
@@ -112,7 +126,8 @@ std::vector<std::string> subject_fields(Experiment experiment, const SubjectFind
                      : kDash,
       finding.p_side ? format_small(*finding.p_side) : kDash,
       s.median_response_s ? fmt::format("{:.2f}", *s.median_response_s) : kDash,
-      s.caught.n > 0 ? fmt::format("{} of {}", s.caught.k, s.caught.n) : kDash,
+      fmt::format("{}", s.too_fast),
+      format_catch(s),
       format_share(finding.agreement)};
 }
 
@@ -203,7 +218,7 @@ std::string format_trends(const Report& report) {
 
 std::string format_subjects(const Report& report) {
   Table table{{"experiment", "participant", "marks", "answered", "correct", "left", "p of side", "median, s",
-               "catch", "agreement"},
+               "too fast", "catch", "agreement"},
               {}};
   for (const SubjectFinding& finding : report.artifact_subjects.sessions)
     table.rows.push_back(subject_fields(Experiment::kArtifact, finding));
@@ -214,15 +229,18 @@ std::string format_subjects(const Report& report) {
          format_order(report.material_subjects.order, Experiment::kMaterial) + "</ul>\n" +
          fmt::format("<details><summary>Each of the {} sessions</summary>\n{}</details>\n", table.rows.size(),
                      format_html_table(table, 3)) +
-         "<p class=\"note\">The rules: only finished sessions count; one that was withdrawn or aborted is "
+         "<p class=\"note\">The rules: only finished sessions count; one that was aborted is "
          "shown here "
-         "and left out everywhere else. A finished one always counts, and is marked where a reader should "
+         "and left out everywhere else; of one who withdrew nothing is left. A finished one always counts, "
+         "and is marked where a reader should "
          "look "
          "twice: <i>side</i>, left and right differ (two-sided exact p of 0.001 or less); <i>fast</i>, a "
          "median "
-         "below 0.3&nbsp;s; <i>catch</i>, more than a quarter of at least four catch trials wrong; "
-         "<i>disagrees</i>, "
-         "agreement with the majority of the others three robust deviations below the median. From "
+         "below 0.3&nbsp;s; <i>catch</i>, fewer catch trials right than the session&rsquo;s protocol asks "
+         "for (where that is not "
+         "known, more than a quarter of at least four wrong); <i>disagrees</i>, "
+         "agreement with the majority of the others three robust deviations below the median. Too fast: "
+         "answers in less than the protocol&rsquo;s least time, kept and counted. From "
          "<code>subjects.csv</code> and <code>order.csv</code>.</p>\n";
 }
 

@@ -170,6 +170,8 @@ void add_sessions(DefinitionList& list, const ExperimentEvidence& evidence, Expe
                    collect(evidence, [](const auto& row) { return row.digests.windows; }));
   list.add_digests(name + ": selection",
                    collect(evidence, [](const auto& row) { return row.digests.selection; }));
+  list.add_digests(name + ": session protocol",
+                   collect(evidence, [](const auto& row) { return row.digests.protocol; }));
   list.add_digests(name + ": planted truth",
                    collect(evidence, [](const auto& row) { return row.digests.truth; }));
 }

@@ -96,11 +96,20 @@ void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experi
                                         evidence.unfinished, format_experiment(experiment), answered));
 }
 
+void warn_of_withdrawn(Report& report) {
+  if (report.evidence.withdrawn == 0) return;
+  report.warnings.push_back(fmt::format("{} withdrew: nothing of theirs is left to count.",
+                                        report.evidence.withdrawn == 1
+                                            ? "1 participant"
+                                            : fmt::format("{} participants", report.evidence.withdrawn)));
+}
+
 std::vector<std::int64_t> find_marked(const SubjectsReport& subjects) {
   std::vector<std::int64_t> marked;
   for (const SubjectFinding& finding : subjects.sessions) {
     if (!finding.marks.empty()) marked.push_back(finding.summary.session);
   }
+  std::sort(marked.begin(), marked.end());
   return marked;
 }
 
@@ -118,12 +127,19 @@ std::vector<Column> find_flipped_without_marked(const Report& report) {
   const auto artifact = find_marked(report.artifact_subjects),
              material = find_marked(report.material_subjects);
   if (artifact.empty() && material.empty()) return {};
-  const auto tally = [&](const ExperimentEvidence& evidence, const std::vector<std::int64_t>& marked) {
-    return tally_answers(leave_out(evidence, marked).answers, report.study);
+  const auto without = [&](const Tally& all, const ExperimentEvidence& evidence,
+                           const std::vector<std::int64_t>& marked) {
+    Tally rest = all;
+    for (const auto& [cell, count] : tally_answers(select_answers(evidence, marked), report.study)) {
+      rest[cell].k -= count.k;
+      rest[cell].n -= count.n;
+    }
+    return rest;
   };
-  const auto rest = find_equivalence(report.study, tally(report.evidence.artifact, artifact),
-                                     tally(report.evidence.material, material),
-                                     report.selection ? &*report.selection : nullptr);
+  const auto rest =
+      find_equivalence(report.study, without(report.artifact, report.evidence.artifact, artifact),
+                       without(report.material, report.evidence.material, material),
+                       report.selection ? &*report.selection : nullptr);
   std::vector<Column> flipped;
   for (std::size_t c = 0; c < rest.size(); ++c) {
     if (rest[c].under(report.rule).verdict != report.findings[c].under(report.rule).verdict)
@@ -209,6 +225,7 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   warn_of_uneven_cells(report, report.material, Experiment::kMaterial);
   warn_of_left_out(report, report.evidence.artifact, Experiment::kArtifact);
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
+  warn_of_withdrawn(report);
   return report;
 }
 

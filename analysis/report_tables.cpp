@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 #include "analysis/tables.h"
 #include "base/error.h"
@@ -117,10 +118,13 @@ Row subject_row(const Report& report, Experiment experiment, const SubjectFindin
           format_int(s.left),
           format_number(finding.p_side),
           format_number(s.median_response_s),
+          format_int(s.too_fast),
           format_int(s.caught.k),
           format_int(s.caught.n),
+          s.catch_pass ? format_int(*s.catch_pass) : "",
           format_number(finding.agreement),
-          format_marks(finding.marks)};
+          format_marks(finding.marks),
+          s.abort_reason.value_or("")};
 }
 
 const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
@@ -128,10 +132,11 @@ const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
 }
 
 Table make_subjects(const std::vector<Report>& reports) {
-  Table table{{"study", "experiment", "session", "participant", "folder", "subject_index", "complete",
-               "scheduled", "answered", "correct", "left", "p_side", "median_s", "catch_correct",
-               "catch_answered", "agreement", "marks"},
-              {}};
+  Table table{
+      {"study",         "experiment",     "session",    "participant", "folder", "subject_index", "complete",
+       "scheduled",     "answered",       "correct",    "left",        "p_side", "median_s",      "too_fast",
+       "catch_correct", "catch_answered", "catch_pass", "agreement",   "marks",  "abort_reason"},
+      {}};
   for (const Report& report : reports) {
     for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
       for (const SubjectFinding& finding : subjects_of(report, experiment).sessions)
@@ -222,15 +227,31 @@ Json make_rows_json(const ReportTable& table) {
   return rows;
 }
 
+// What finished sessions say of one thing, each value once, sorted; not where they say nothing.
+Json make_values_json(const ExperimentEvidence& evidence, const auto& value_of) {
+  std::set<std::string> values;
+  for (const SessionRow& row : evidence.finished) values.insert(value_of(row));
+  values.erase("");
+  return make_json(std::vector<std::string>(values.begin(), values.end()));
+}
+
 Json make_experiment_json(const ExperimentEvidence& evidence) {
-  std::vector<std::string> seeds;
-  for (const SessionRow& row : evidence.finished) seeds.push_back(fmt::format("{}", row.seed));
-  std::sort(seeds.begin(), seeds.end());
-  seeds.erase(std::unique(seeds.begin(), seeds.end()), seeds.end());
   Json json;
   json.set("finished_sessions", evidence.finished.size()).set("unfinished_sessions", evidence.unfinished);
   json.set("answers", evidence.answers.size()).set("answers_digest", evidence.digest);
-  return json.set("session_seeds", make_json(seeds));
+  const auto add = [&](const char* name, std::string SessionDigests::*member) {
+    json.set(name, make_values_json(evidence, [&](const SessionRow& row) { return row.digests.*member; }));
+  };
+  add("pictures_digests", &SessionDigests::manifest);
+  add("windows_digests", &SessionDigests::windows);
+  add("selection_digests", &SessionDigests::selection);
+  add("truth_digests", &SessionDigests::truth);
+  add("protocol_digests", &SessionDigests::protocol);
+  json.set("session_programs",
+           make_values_json(evidence, [](const SessionRow& row) { return row.program_version; }));
+  return json.set("session_seeds", make_values_json(evidence, [](const SessionRow& row) {
+                    return fmt::format("{}", row.seed);
+                  }));
 }
 
 Json make_study_json(const Report& report) {
@@ -240,6 +261,7 @@ Json make_study_json(const Report& report) {
   json.set("folders", make_json(report.folders)).set("warnings", make_json(report.warnings));
   json.set("artifact", make_experiment_json(report.evidence.artifact));
   json.set("material", make_experiment_json(report.evidence.material));
+  json.set("withdrawn", report.evidence.withdrawn);
   if (report.selection) json.set("selection_digest", digest_selection(*report.selection));
   if (report.windows) json.set("windows_digest", report.windows->digest);
   if (report.manifest) json.set("rendering_seed", report.manifest->seed);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -35,6 +36,7 @@ void add_main_trials(SessionSummary& summary, const std::vector<const TrialRow*>
     ++half.n;
     half.k += is_correct(trial) ? 1 : 0;
     summary.left += *trial.answer == Side::kLeft ? 1 : 0;
+    summary.too_fast += trial.too_fast ? 1 : 0;
     if (trial.response_time_ns)
       (is_first ? first : second).push_back(static_cast<double>(*trial.response_time_ns) * 1e-9);
   }
@@ -62,6 +64,11 @@ std::optional<RobustScale> find_scale(const std::vector<double>& values, std::si
   return RobustScale{*median, std::max(1.4826 * *find_median(distances), least)};
 }
 
+bool is_inattentive(const SessionSummary& summary) {
+  if (summary.catch_pass) return summary.caught.k < *summary.catch_pass;
+  return summary.caught.n >= 4 && !is_flagged(summary.caught);
+}
+
 std::vector<SubjectMark> find_marks(const SubjectFinding& finding, const std::optional<RobustScale>& scale) {
   std::vector<SubjectMark> marks;
   const SessionSummary& summary = finding.summary;
@@ -69,7 +76,7 @@ std::vector<SubjectMark> find_marks(const SubjectFinding& finding, const std::op
   if (finding.p_side && *finding.p_side <= kSideBiasLevel) marks.push_back(SubjectMark::kSideBias);
   if (summary.median_response_s && *summary.median_response_s < kFastMedian)
     marks.push_back(SubjectMark::kFast);
-  if (summary.caught.n >= 4 && !is_flagged(summary.caught)) marks.push_back(SubjectMark::kCatch);
+  if (is_inattentive(summary)) marks.push_back(SubjectMark::kCatch);
   if (finding.agreement && scale && *finding.agreement < scale->median - 3 * scale->deviation) {
     marks.push_back(SubjectMark::kDisagrees);
   }
@@ -92,7 +99,7 @@ double sum_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-double sum_flipped(const std::vector<double>& values, std::uint64_t signs) {
+double sum_flipped(std::span<const double> values, std::uint64_t signs) {
   double sum = 0;
   for (std::size_t i = 0; i < values.size(); ++i) sum += (signs >> i & 1) != 0 ? values[i] : -values[i];
   return sum;
@@ -112,7 +119,9 @@ double find_flip_p(const std::vector<double>& values, std::uint64_t seed) {
   int far = 1;
   for (int draw = 0; draw < kDraws; ++draw) {
     double sum = 0;
-    for (const double value : values) sum += random.next_below(2) == 0 ? value : -value;
+    for (std::size_t first = 0; first < values.size(); first += 64)
+      sum += sum_flipped(std::span(values).subspan(first, std::min<std::size_t>(64, values.size() - first)),
+                         random.next_u64());
     far += std::abs(sum) >= seen ? 1 : 0;
   }
   return static_cast<double>(far) / (kDraws + 1);

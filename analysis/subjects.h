@@ -19,10 +19,14 @@ struct SessionSummary {
   bool complete = false;
   std::int64_t scheduled = 0;
   std::int64_t answered = 0;
-  std::int64_t left = 0;  ///< answers that were the left side
-  Count first_half;       ///< correct of the first half in order of showing
-  Count second_half;      ///< correct of the rest
-  Count caught;           ///< catch trials: correct of those answered; 0 of 0 where the log has none
+  std::int64_t left = 0;      ///< answers that were the left side
+  Count first_half;           ///< correct of the first half in order of showing
+  Count second_half;          ///< correct of the rest
+  std::int64_t too_fast = 0;  ///< answers in less than the protocol's least time
+  Count caught;               ///< catch trials: correct of those answered; 0 of 0 where the log has none
+  std::optional<std::int64_t>
+      catch_pass;  ///< right catch trials that its protocol asks for; empty: not known
+  std::optional<std::string> abort_reason;  ///< of a session that was ended early; empty: it was not
   std::optional<double> median_response_s;  ///< from onset to press
   std::optional<double> first_half_s;       ///< median of the first half
   std::optional<double> second_half_s;      ///< median of the rest
@@ -34,7 +38,8 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Tr
 enum class SubjectMark {
   kSideBias,   ///< left and right differ: two-sided exact binomial p <= kSideBiasLevel
   kFast,       ///< median response below kFastMedian
-  kCatch,      ///< more than a quarter of at least four catch trials wrong
+  kCatch,      ///< fewer right than its protocol asks for; where that is not known, more than a quarter of at
+               ///< least four wrong
   kDisagrees,  ///< agreement more than three robust deviations below the median; one is at least 0.5 /
                ///< sqrt(cells)
 };

@@ -2,8 +2,6 @@
 #include "analysis/tally.h"
 
 #include <algorithm>
-#include <functional>
-#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -34,21 +32,6 @@ std::uint64_t make_answer_key(const AnswerRow& answer, std::uint32_t cell) {
 }
 
 }  // namespace
-
-std::size_t CellNumbers::Hash::operator()(const Cell& cell) const {
-  const Object& object = cell.column.object;
-  const std::hash<std::string_view> hash;
-  std::size_t value = hash(object.geometry) * 31 + hash(object.material);
-  value = value * 31 + static_cast<std::size_t>(cell.column.vpl_count);
-  return value * 64 + static_cast<std::size_t>(cell.clamp_level) * 4 +
-         static_cast<std::size_t>(object.illumination) * 2 + (cell.normalised ? 1 : 0);
-}
-
-std::uint32_t CellNumbers::number_of(const Cell& cell) {
-  const auto [entry, is_new] = numbers_.try_emplace(cell, static_cast<std::uint32_t>(cells_.size()));
-  if (is_new) cells_.push_back(cell);
-  return entry->second;
-}
 
 Tally tally_answers(const std::vector<AnswerRow>& answers, const Study& study) {
   CellNumbers numbers;

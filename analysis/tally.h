@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <map>
-#include <unordered_map>
 #include <vector>
 
 #include "experiment/trial_log.h"
+#include "protocols/cell_numbers.h"
 #include "protocols/study.h"
 
 namespace equilux {
@@ -30,22 +30,6 @@ struct LevelCount {
 
 /// A column. shape: every clamp level of the study, from least to most clamped.
 using ColumnCounts = std::vector<LevelCount>;
-
-/// Numbers cells 0, 1, 2, ... as they come: what sums over millions of answers are indexed by.
-class CellNumbers {
- public:
-  /// The cell's number, a new one where it has none.
-  std::uint32_t number_of(const Cell& cell);
-  /// The cells by their numbers.
-  const std::vector<Cell>& cells() const { return cells_; }
-
- private:
-  struct Hash {
-    std::size_t operator()(const Cell& cell) const;
-  };
-  std::unordered_map<Cell, std::uint32_t, Hash> numbers_;
-  std::vector<Cell> cells_;
-};
 
 /// Adds up the answers of one kind and experiment, in any order. errors: InputError for a cell that the study
 /// does not have, or that one session answered twice.

@@ -90,6 +90,7 @@ class Statement {
   std::int64_t integer(int column) const;
   double real(int column) const;
   std::string text(int column) const;
+  std::string_view view(int column) const;  ///< of text, until the next step
 
  private:
   struct Prepared {};

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "experiment/session_summary.h"
+#include "experiment/session_outcome.h"
 #include "experiment/trial_log.h"
 
 namespace equilux {
@@ -18,7 +18,7 @@ struct SessionRecord {
   SessionRow row;
   std::vector<TrialRow> trials;
   std::vector<EventRow> events;
-  SessionSummary summary;
+  SessionOutcome summary;
 };
 
 // What a row of each table is made of; a record is valid while its session is.

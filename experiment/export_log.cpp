@@ -62,7 +62,7 @@ std::vector<SessionRecord> load_records(const TrialLog& log, SubjectKind kind) {
   for (const SessionRow& row : log.load_sessions()) {
     if (row.kind != kind) continue;
     SessionRecord record{row, log.load_trials(row.id), log.load_events(row.id), {}};
-    record.summary = summarise_session(record.row, record.trials, record.events);
+    record.summary = find_outcome(record.row, record.trials, record.events);
     records.push_back(std::move(record));
   }
   const auto order = [](const SessionRecord& record) {

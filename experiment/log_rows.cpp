@@ -12,8 +12,9 @@
 namespace equilux {
 namespace {
 
-Side parse_side(const std::string& text, const std::string& source) {
-  if (text != "left" && text != "right") throw InputError(source, "trial", "left or right", text);
+Side parse_side(std::string_view text, const std::string& source) {
+  if (text != "left" && text != "right")
+    throw InputError(source, "trial", "left or right", std::string(text));
   return text == "left" ? Side::kLeft : Side::kRight;
 }
 
@@ -24,11 +25,11 @@ std::int64_t insert_participant(const Database& database, const std::string& cod
   return statement.integer(0);
 }
 
-Phase parse_phase(const std::string& text, const std::string& source) {
+Phase parse_phase(std::string_view text, const std::string& source) {
   for (const Phase phase : {Phase::kPractice, Phase::kMain, Phase::kCatch}) {
     if (text == format_phase(phase)) return phase;
   }
-  throw InputError(source, "trial/phase", "practice, main or catch", text);
+  throw InputError(source, "trial/phase", "practice, main or catch", std::string(text));
 }
 
 template <typename T, typename Get>
@@ -75,6 +76,19 @@ TrialRow read_trial(const Statement& row, const std::string& source) {
   trial.response_time_ns = row.integer(8);
   trial.answered_utc = row.text(9);
   trial.too_fast = row.integer(10) != 0;
+  return trial;
+}
+
+TrialRow read_brief_trial(const Statement& row, CellReader& cells, const std::string& source) {
+  TrialRow trial;
+  trial.number = static_cast<int>(row.integer(0));
+  trial.phase = parse_phase(row.view(1), source);
+  trial.cell = cells.read(row.view(2), source, "trial/cell");
+  trial.test_side = parse_side(row.view(3), source);
+  if (row.is_null(4)) return trial;
+  trial.answer = parse_side(row.view(4), source);
+  trial.response_time_ns = row.integer(5);
+  trial.too_fast = row.integer(6) != 0;
   return trial;
 }
 
@@ -132,6 +146,16 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
                       session);
   std::vector<TrialRow> trials;
   while (statement.step()) trials.push_back(read_trial(statement, database.name()));
+  return trials;
+}
+
+std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t session, CellReader& cells) {
+  Statement statement(database,
+                      "SELECT trial, phase, cell, test_side, answer, response_time_ns, too_fast"
+                      " FROM trial WHERE session = ? ORDER BY trial",
+                      session);
+  std::vector<TrialRow> trials;
+  while (statement.step()) trials.push_back(read_brief_trial(statement, cells, database.name()));
   return trials;
 }
 

@@ -8,6 +8,7 @@
 
 #include "experiment/database.h"
 #include "experiment/trial_log.h"
+#include "protocols/cell_numbers.h"
 
 namespace equilux {
 
@@ -27,6 +28,8 @@ std::optional<Tombstone> find_tombstone(const std::vector<Tombstone>& tombstones
 std::string load_station(const Database& database);
 std::vector<SessionRow> load_sessions(const Database& database);
 std::vector<TrialRow> load_trials(const Database& database, std::int64_t session);
+/// Without keys of pictures and time of day.
+std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t session, CellReader& cells);
 std::vector<EventRow> load_events(const Database& database, std::int64_t session);
 std::vector<Tombstone> load_tombstones(const Database& database);
 std::vector<ExportRow> load_exports(const Database& database);  ///< each path once, sorted

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <set>
 
-#include "experiment/session_summary.h"
+#include "experiment/session_outcome.h"
 #include "experiment/trial_log.h"
 
 namespace equilux {
@@ -19,13 +19,13 @@ std::string format_head() {
                      "started");
 }
 
-std::string format_catch(const SessionSummary& summary) {
+std::string format_catch(const SessionOutcome& summary) {
   return summary.catch_answered == 0 ? "-"
                                      : fmt::format("{}/{}", summary.catch_right, summary.catch_answered);
 }
 
 std::string format_line(const TrialLog& log, const SessionRow& row) {
-  const SessionSummary summary = summarise_session(row, log.load_trials(row.id), log.load_events(row.id));
+  const SessionOutcome summary = find_outcome(row, log.load_trials(row.id), log.load_events(row.id));
   const std::string reason =
       summary.abort_reason.empty() ? "" : fmt::format("  aborted: {}", summary.abort_reason);
   return fmt::format("{:7}  {:8}{:11}{:5}  {:20}{:11}{:>9}{:>10}{:>13}  {}{}\n", row.id,

@@ -2,6 +2,7 @@
 #include "experiment/trial_log.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "base/digest.h"
@@ -59,6 +60,7 @@ std::string format_phase(Phase phase) {
 
 struct TrialLog::Impl {
   Database database;
+  mutable CellReader cells = {};
 };
 
 TrialLog::TrialLog(const fs::path& path, bool create)
@@ -90,6 +92,10 @@ std::vector<SessionRow> TrialLog::load_sessions() const { return equilux::load_s
 
 std::vector<TrialRow> TrialLog::load_trials(std::int64_t session) const {
   return equilux::load_trials(impl_->database, session);
+}
+
+std::vector<TrialRow> TrialLog::load_brief_trials(std::int64_t session) const {
+  return equilux::load_brief_trials(impl_->database, session, impl_->cells);
 }
 
 std::vector<EventRow> TrialLog::load_events(std::int64_t session) const {
@@ -179,7 +185,7 @@ std::vector<AnswerRow> TrialLog::load_answers(SubjectKind kind, Experiment exper
   std::vector<AnswerRow> answers;
   while (statement.step()) {
     answers.push_back({statement.integer(0), statement.integer(1),
-                       parse_cell(statement.text(2), impl_->database.name(), "trial/cell"),
+                       impl_->cells.read(statement.view(2), impl_->database.name(), "trial/cell"),
                        statement.integer(3) != 0});
   }
   return answers;
@@ -202,14 +208,34 @@ std::string TrialLog::load_setting(const std::string& name) const {
   return read_setting(impl_->database, name);
 }
 
-std::string digest_answers(const std::vector<AnswerRow>& answers) {
-  std::vector<std::string> lines;
-  for (const AnswerRow& answer : answers) {
-    lines.push_back(fmt::format("{} {} {}\n", format_key(answer.cell), answer.subject_index,
-                                answer.correct ? "correct" : "wrong"));
+std::optional<std::string> find_abort_reason(const std::vector<EventRow>& events) {
+  std::optional<std::string> reason;
+  for (const EventRow& event : events) {
+    if (event.kind == "abort") reason = event.detail;
+    if (event.kind == "resume" || event.kind == "showing" || event.kind == "answer") reason.reset();
   }
-  std::sort(lines.begin(), lines.end());
-  return digest_text(fmt::format("{}", fmt::join(lines, "")));
+  return reason;
+}
+
+// The lines "KEY INDEX correct\n" in the order of their bytes, sorted by the first field and then by the
+// rest: no key holds a blank or anything that sorts before it.
+std::string digest_answers(const std::vector<AnswerRow>& answers) {
+  CellNumbers numbers;
+  std::vector<std::vector<std::string>> rests;
+  for (const AnswerRow& answer : answers) {
+    const std::size_t cell = numbers.number_of(answer.cell);
+    if (cell == rests.size()) rests.emplace_back();
+    rests[cell].push_back(std::to_string(answer.subject_index) +
+                          (answer.correct ? " correct\n" : " wrong\n"));
+  }
+  std::map<std::string, std::vector<std::string>*> by_key;
+  for (std::size_t i = 0; i < rests.size(); ++i) by_key[format_key(numbers.cells()[i])] = &rests[i];
+  std::string text;
+  for (const auto& [key, rest] : by_key) {
+    std::sort(rest->begin(), rest->end());
+    for (const std::string& line : *rest) text.append(key).append(" ").append(line);
+  }
+  return digest_text(text);
 }
 
 }  // namespace equilux

@@ -139,6 +139,9 @@ class TrialLog {
 
   std::vector<SessionRow> load_sessions() const;
   std::vector<TrialRow> load_trials(std::int64_t session) const;
+  /// As load_trials, but without the pictures' names and the time of day: what answers are counted by, in a
+  /// third of the time.
+  std::vector<TrialRow> load_brief_trials(std::int64_t session) const;
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
   std::int64_t count_withdrawn() const;                           ///< tombstones
   /// Lowest index of this lane that no session of this kind and experiment holds.
@@ -174,6 +177,9 @@ class TrialLog {
   explicit TrialLog(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Why a session was ended early, from its events; empty if it was not, or has gone on since.
+std::optional<std::string> find_abort_reason(const std::vector<EventRow>& events);
 
 /// Digest of answers, sorted and canonical: independent of the order of sessions and of the database file.
 std::string digest_answers(const std::vector<AnswerRow>& answers);

@@ -8,6 +8,7 @@
 
 #include "analysis/answers_export.h"
 #include "analysis/figure.h"
+#include "analysis/interim.h"
 #include "analysis/program.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -105,6 +106,40 @@ TEST_F(Folders, of_one_study_are_pooled_and_others_stand_beside) {
     EXPECT_EQ(count.n, a[0].artifact.at(cell).n + b[0].artifact.at(cell).n);
     EXPECT_EQ(count.k, a[0].artifact.at(cell).k + b[0].artifact.at(cell).k);
   }
+}
+
+TEST_F(Folders, say_while_sessions_go_on_what_the_report_says) {
+  const StudyFolder folder{temporary_ / "a"};
+  const Study study = load_folder_study(folder);
+  TrialLog(folder.responses())
+      .append_session(make_fake_session(99, SubjectKind::kPlanted), make_fake_trials(3));
+  const InterimFindings interim = load_interim(folder, study, SubjectKind::kPlanted);
+  EXPECT_EQ(interim.artifact.finished, 12);
+  EXPECT_EQ(interim.artifact.unfinished, 1);
+  EXPECT_EQ(interim.material.finished, 14);
+  const Report report = load({"a"})[0];
+  ASSERT_EQ(interim.columns.size(), report.findings.size());
+  for (std::size_t c = 0; c < interim.columns.size(); ++c) {
+    const ColumnFinding &now = interim.columns[c], &then = report.findings[c];
+    EXPECT_EQ(now.artifact, then.artifact);
+    EXPECT_EQ(now.material, then.material);
+    for (const Rule rule : kRules) {
+      EXPECT_EQ(now.under(rule).regions, then.under(rule).regions);
+      EXPECT_EQ(now.under(rule).verdict, then.under(rule).verdict);
+    }
+  }
+}
+
+TEST_F(Folders, say_nothing_before_the_first_answer_and_refuse_answers_of_another_study) {
+  const StudyFolder folder{temporary_ / "b"};
+  const Study study = load_folder_study(folder);
+  for (const ColumnFinding& column : load_interim(folder, study, SubjectKind::kPerson).columns)
+    EXPECT_EQ(column.under(Rule::kPaper).verdict, Verdict::kUntested);
+  fs::copy_file((temporary_ / "n") / "responses.sqlite", folder.responses(),
+                fs::copy_options::overwrite_existing);
+  EXPECT_THROW(load_interim(folder, study, SubjectKind::kPlanted), InputError);
+  fs::remove(folder.responses());
+  EXPECT_EQ(load_interim(folder, study, SubjectKind::kPlanted).artifact.finished, 0);
 }
 
 TEST_F(Folders, give_the_same_bytes_in_any_order) {

@@ -96,6 +96,29 @@ TEST(Subjects, who_miss_more_than_a_quarter_of_catch_trials_are_marked) {
   EXPECT_TRUE(find_subjects({summary}, {}).front().marks.empty()) << "too few to say";
 }
 
+TEST(Subjects, are_held_to_the_catch_trials_that_their_protocol_asks_for) {
+  SessionSummary summary = summarise_session(make_finished(1), make_trials(40, [](int) { return true; }));
+  const auto is_marked = [&](Count caught, std::int64_t pass) {
+    summary.caught = caught;
+    summary.catch_pass = pass;
+    return !find_subjects({summary}, {}).front().marks.empty();
+  };
+  EXPECT_FALSE(is_marked({10, 12}, 10));
+  EXPECT_TRUE(is_marked({10, 12}, 11)) << "though more than three quarters are right";
+  EXPECT_FALSE(is_marked({1, 4}, 1)) << "though three quarters are wrong";
+  EXPECT_TRUE(is_marked({0, 1}, 1)) << "though one is few";
+}
+
+TEST(Subjects, answers_under_the_least_time_are_counted_and_their_number_told) {
+  auto trials = make_trials(6, [](int) { return true; });
+  trials[1].too_fast = trials[4].too_fast = true;
+  trials[5].phase = Phase::kPractice;
+  trials[5].too_fast = true;
+  const auto summary = summarise_session(make_finished(1), trials);
+  EXPECT_EQ(summary.too_fast, 2) << "practice is not counted";
+  EXPECT_EQ(summary.answered, 5);
+}
+
 // 12 subjects of whom eleven agree on 40 cells with a lapse each, one answers by coins.
 std::vector<AnswerRow> make_agreeing(bool with_stranger) {
   std::vector<AnswerRow> answers;

@@ -3,6 +3,7 @@
 #include "analysis/uncertainty.h"
 
 #include <algorithm>
+#include <boost/math/distributions/beta.hpp>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -122,6 +123,69 @@ TEST(Posterior, of_long_pools_stays_on_the_side_of_the_counts) {
     const auto isotonic = answered.disturb({5, 2000, 10}).front().under(Rule::kIsotonic);
     EXPECT_EQ(*isotonic.posterior > 0.95, low) << *isotonic.posterior;
     EXPECT_EQ(*isotonic.posterior < 0.05, !low) << *isotonic.posterior;
+  }
+}
+
+// Middles of `kPieces` pieces of a cell's posterior, each as probable.
+constexpr int kPieces = 500;
+std::vector<double> split_posterior(const Count& count) {
+  const boost::math::beta_distribution<double> posterior(static_cast<double>(count.k) + 0.5,
+                                                         static_cast<double>(count.n - count.k) + 0.5);
+  std::vector<double> middles(kPieces);
+  for (int i = 0; i < kPieces; ++i)
+    middles[static_cast<std::size_t>(i)] = quantile(posterior, (i + 0.5) / kPieces);
+  return middles;
+}
+
+// Probabilities that neither, only the lower, or both of two proportions are below the cut once they are
+// pooled where the lower is not below the higher, by their n: the rule `isotonic`, over a grid.
+struct TwoPooled {
+  double none = 0, lower = 0, both = 0;
+};
+TwoPooled eval_two_pooled(const Count& lower, const Count& higher) {
+  TwoPooled sum;
+  const auto lows = split_posterior(lower), highs = split_posterior(higher);
+  const auto a = static_cast<double>(lower.n), b = static_cast<double>(higher.n);
+  for (const double low : lows) {
+    for (const double high : highs) {
+      const double pooled = (a * low + b * high) / (a + b);
+      const double first = low > high ? pooled : low, second = low > high ? pooled : high;
+      (second < kFlagProportion  ? sum.both
+       : first < kFlagProportion ? sum.lower
+                                 : sum.none) += 1.0 / (kPieces * kPieces);
+    }
+  }
+  return sum;
+}
+
+// Two levels of unequal n in each experiment. Artifacts fall with clamp, so that C5 is the lower one;
+// material changes rise, so that C4 is. Equivalent is C5 where it is free and unchanged, or C4 where both
+// are. Seed 6, 20,000 draws, four standard errors and the grid's own error.
+TEST(Posterior, of_equivalence_is_that_of_pooled_proportions_under_the_rule_isotonic) {
+  struct Case {
+    Count artifact_4, artifact_5, material_4, material_5;
+  };
+  const std::vector<Case> cases{{{8, 12}, {5, 6}, {6, 7}, {9, 14}},
+                                {{9, 12}, {8, 12}, {3, 7}, {10, 14}},
+                                {{5, 6}, {9, 12}, {10, 14}, {5, 7}},
+                                {{10, 12}, {4, 6}, {5, 7}, {4, 7}}};
+  for (const Case& c : cases) {
+    Answered answered = make_two_cells(0, 0, 0, 0);
+    const Column column = enumerate_columns(answered.study).front();
+    const auto add = [&](std::vector<AnswerRow>& rows, int level, const Count& count) {
+      for (int i = 0; i < count.n; ++i) rows.push_back({i + 1, i, {column, level, false}, i < count.k});
+    };
+    add(answered.artifact, 4, c.artifact_4);
+    add(answered.artifact, 5, c.artifact_5);
+    add(answered.material, 4, c.material_4);
+    add(answered.material, 5, c.material_5);
+    const TwoPooled free = eval_two_pooled(c.artifact_5, c.artifact_4),
+                    same = eval_two_pooled(c.material_4, c.material_5);
+    const double exact = free.both * (same.lower + same.both) + free.lower * same.both;
+    EXPECT_TRUE(exact > 0.05 && exact < 0.95) << "the case would say nothing: " << exact;
+    const auto results = answered.disturb({6, 20000, 1}).front();
+    EXPECT_NEAR(*results.under(Rule::kIsotonic).posterior, exact,
+                4 * std::sqrt(exact * (1 - exact) / 20000) + 0.003);
   }
 }
 

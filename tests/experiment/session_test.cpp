@@ -1,7 +1,9 @@
 // The session by its events alone: no clock, no window, no log.
 #include "experiment/session.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
+#include <string>
 
 #include "base/error.h"
 #include "tests/experiment/fake_trials.h"
@@ -312,6 +314,62 @@ TEST(Session, RecordsWhatHappenedToTheScreenWithoutGoingOn) {
   EXPECT_EQ(effect_at<RecordNote>(effects, 0).kind, "focus_lost");
   EXPECT_EQ(effect_at<RecordNote>(effects, 0).time_ns, 150);
   EXPECT_EQ(session.onset_ns, std::optional<std::int64_t>(100));
+}
+
+// A screen of a given rate, and a subject who presses after so long: what is drawn is seen at the next frame;
+// at 0 Hz frames do not wait.
+struct Sitting {
+  std::vector<std::int64_t> responses_ns;
+  std::vector<std::int64_t> waits_ns;  ///< from an answer to the next onset
+  int breaks = 0;
+};
+
+Sitting sit(int trials, double hz, std::int64_t response_ns, std::int64_t break_every_ns) {
+  Session session =
+      make_session(Experiment::kArtifact, make_fake_trials(trials), {.break_every_ns = break_every_ns});
+  Sitting sitting;
+  std::int64_t clock_ns = 12345;
+  const auto wait_for_frame = [&] {
+    if (hz == 0) return;
+    const auto frames = static_cast<std::int64_t>(static_cast<double>(clock_ns) * hz / 1e9) + 1;
+    clock_ns = static_cast<std::int64_t>(std::ceil(static_cast<double>(frames) * 1e9 / hz));
+  };
+  advance(session, ContinueEvent{clock_ns});
+  std::optional<std::int64_t> answered_ns;
+  while (session.screen != Screen::kThanks) {
+    if (session.screen == Screen::kBreak) {
+      ++sitting.breaks;
+      answered_ns.reset();
+      advance(session, ContinueEvent{clock_ns += 1000});
+    }
+    wait_for_frame();
+    advance(session, ShownEvent{session.current, clock_ns});
+    if (answered_ns) sitting.waits_ns.push_back(clock_ns - *answered_ns);
+    EXPECT_TRUE(advance(session, AnswerEvent{Side::kLeft, clock_ns}).empty()) << "pressed at the onset";
+    clock_ns += response_ns;
+    const auto effects = advance(session, AnswerEvent{Side::kLeft, clock_ns});
+    sitting.responses_ns.push_back(effect_at<RecordAnswer>(effects, 0).answer.response_time_ns);
+    answered_ns = clock_ns;
+  }
+  return sitting;
+}
+
+class SessionAtRate : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Screens, SessionAtRate, testing::Values(0.0, 60.0, 144.0), [](const auto& info) {
+  return std::to_string(static_cast<int>(info.param)) + "Hz";
+});
+
+TEST_P(SessionAtRate, MeasuresThePressFromTheOnsetAndShowsTheNextPairWithinAFrame) {
+  constexpr std::int64_t kResponseNs = 1'234'567'891, kMinuteNs = 60'000'000'000;
+  const Sitting sitting = sit(120, GetParam(), kResponseNs, kMinuteNs);
+  EXPECT_EQ(sitting.responses_ns, std::vector<std::int64_t>(120, kResponseNs)) << "whatever the rate";
+  const double frame_ns = GetParam() > 0 ? 1e9 / GetParam() : 0;
+  for (const std::int64_t wait_ns : sitting.waits_ns) {
+    EXPECT_GE(wait_ns, 0);
+    EXPECT_LE(static_cast<double>(wait_ns), frame_ns + 1);
+  }
+  // 120 answers of 1.23 s take 148 s and at most a frame each: two minutes are over in them, no third.
+  EXPECT_EQ(sitting.breaks, 2);
 }
 
 }  // namespace

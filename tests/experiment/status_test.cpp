@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiment/session_summary.h"
+#include "experiment/session_outcome.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
 #include "tests/experiment/unprivileged.h"
@@ -61,11 +61,11 @@ TEST_F(Status, IsToldOfAFolderThatCanOnlyBeRead) {
   EXPECT_THAT(format_status(folder_), HasSubstr("P0"));
 }
 
-TEST(SessionSummary, AnAbortCountsUntilTheSessionGoesOn) {
+TEST(SessionOutcome, AnAbortCountsUntilTheSessionGoesOn) {
   const auto state = [](const std::vector<std::string>& kinds) {
     std::vector<EventRow> events;
     for (const std::string& kind : kinds) events.push_back({std::nullopt, kind, 0, "", "reason"});
-    return summarise_session(SessionRow{}, {}, events).state;
+    return find_outcome(SessionRow{}, {}, events).state;
   };
   EXPECT_EQ(state({}), SessionState::kUnfinished);
   EXPECT_EQ(state({"showing", "abort"}), SessionState::kAborted);

@@ -1,10 +1,13 @@
 // What is appended comes back, in a file that stands for itself.
 #include "experiment/trial_log.h"
 
+#include <algorithm>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <optional>
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
@@ -297,6 +300,21 @@ TEST_F(TrialLogTest, CanBeReadWhileItIsWritten) {
   EXPECT_TRUE(reader.load_trials(session).at(0).answer);
 }
 
+TEST_F(TrialLogTest, BriefTrialsAreTrialsWithoutNamesAndTimesOfDay) {
+  TrialLog log(path_, true);
+  auto trials = make_fake_trials(8);
+  trials[2].phase = Phase::kCatch;
+  trials[3].phase = Phase::kPractice;
+  const auto session = log.append_session(make_fake_session(), trials);
+  log.append_answer(session, {0, Side::kRight, 1234, true}, 1, 5000);
+  auto whole = log.load_trials(session);
+  for (TrialRow& trial : whole) {
+    trial.test_key = trial.pair_key = trial.upper_key = "";
+    trial.answered_utc.reset();
+  }
+  EXPECT_EQ(log.load_brief_trials(session), whole);
+}
+
 TEST_F(TrialLogTest, MovesWithItsConnection) {
   TrialLog log(path_, true);
   TrialLog moved = std::move(log);
@@ -310,6 +328,23 @@ TEST(AnswerDigest, DoesNotDependOnTheOrderOrNumbersOfSessions) {
   const AnswerRow first{1, 0, cell, true}, second{2, 1, cell, false};
   const AnswerRow second_elsewhere{9, 1, cell, false};
   EXPECT_EQ(digest_answers({first, second}), digest_answers({second_elsewhere, first}));
+}
+
+// What it was defined as: the lines of all answers, sorted by their bytes.
+TEST(AnswerDigest, IsOfTheSortedLines) {
+  std::vector<AnswerRow> answers;
+  std::vector<std::string> lines;
+  const std::vector<TrialRow> trials = make_fake_trials(kClampLevelCount);
+  for (int subject : {0, 1, 2, 10, 11, 100}) {
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      Cell cell = trials[i].cell;
+      if (subject % 2 == 1) cell.column.object.geometry = i % 2 == 0 ? "G10" : "G";
+      answers.push_back({subject + 1, subject, cell, i % 3 == 0});
+      lines.push_back(fmt::format("{} {} {}\n", format_key(cell), subject, i % 3 == 0 ? "correct" : "wrong"));
+    }
+  }
+  std::sort(lines.begin(), lines.end());
+  EXPECT_EQ(digest_answers(answers), digest_text(fmt::format("{}", fmt::join(lines, ""))));
 }
 
 TEST(AnswerDigest, SeesEveryChange) {

@@ -1,19 +1,10 @@
 // An abort counts until the session is seen going on.
-#include "experiment/session_summary.h"
+#include "experiment/session_outcome.h"
 
 namespace equilux {
 namespace {
 
-std::optional<std::string> find_abort(const std::vector<EventRow>& events) {
-  std::optional<std::string> reason;
-  for (const EventRow& event : events) {
-    if (event.kind == "abort") reason = event.detail;
-    if (event.kind == "resume" || event.kind == "showing" || event.kind == "answer") reason.reset();
-  }
-  return reason;
-}
-
-void count_trial(SessionSummary& summary, const TrialRow& trial) {
+void count_trial(SessionOutcome& summary, const TrialRow& trial) {
   ++summary.trials;
   if (!trial.answer) return;
   ++summary.answered;
@@ -36,11 +27,11 @@ std::string format_state(SessionState state) {
   }
 }
 
-SessionSummary summarise_session(const SessionRow& row, const std::vector<TrialRow>& trials,
-                                 const std::vector<EventRow>& events) {
-  SessionSummary summary;
+SessionOutcome find_outcome(const SessionRow& row, const std::vector<TrialRow>& trials,
+                            const std::vector<EventRow>& events) {
+  SessionOutcome summary;
   for (const TrialRow& trial : trials) count_trial(summary, trial);
-  const auto reason = find_abort(events);
+  const auto reason = find_abort_reason(events);
   if (row.complete) {
     summary.state = SessionState::kComplete;
   } else if (reason) {

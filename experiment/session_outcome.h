@@ -14,7 +14,7 @@ enum class SessionState {
   kAborted,     ///< ended early, and not resumed since
 };
 
-struct SessionSummary {
+struct SessionOutcome {
   SessionState state = SessionState::kUnfinished;
   std::string abort_reason;  ///< empty unless aborted
   int trials = 0;            ///< of all phases, as the next two
@@ -26,7 +26,7 @@ struct SessionSummary {
 
 std::string format_state(SessionState state);
 
-SessionSummary summarise_session(const SessionRow& row, const std::vector<TrialRow>& trials,
-                                 const std::vector<EventRow>& events);
+SessionOutcome find_outcome(const SessionRow& row, const std::vector<TrialRow>& trials,
+                            const std::vector<EventRow>& events);
 
 }  // namespace equilux
