@@ -42,6 +42,25 @@ std::string draw_free_code(const std::filesystem::path& study_folder) {
   return draw_code(taken);
 }
 
+// Of a person, begun and not finished: the one of these that was begun last.
+std::optional<SessionRow> find_interrupted(const std::filesystem::path& study_folder) {
+  const StudyFolder folder{study_folder};
+  if (!std::filesystem::exists(folder.responses())) return std::nullopt;
+  std::optional<SessionRow> last;
+  for (const SessionRow& row : TrialLog::load_snapshot(folder.responses()).load_sessions()) {
+    if (row.kind == SubjectKind::kPerson && !row.complete && (!last || row.started_utc >= last->started_utc))
+      last = row;
+  }
+  return last;
+}
+
+void fill_in_interrupted(StartForm& form) {
+  const auto row = find_interrupted(form.folder.data());
+  if (!row) throw InputError("Participant code", "", "a session that was interrupted", "none in this folder");
+  set_participant(form, row->participant);
+  set_experiment(form, row->experiment);
+}
+
 // What the keyboard does on the start screen beside typing; true for the key that submits.
 bool read_start_key(const InputEvent& event, StartForm& form) {
   if (event.kind != InputKind::kKeyPress) return false;
@@ -60,6 +79,16 @@ bool draw_start_frame(AppWindow& window, Gui& gui, StartForm& form) {
   return is_pressed;
 }
 
+// A code drawn or looked up. An error stays on the screen until the next try.
+void fill_in(StartForm& form, Key key) {
+  try {
+    key == Key::kF3 ? set_participant(form, draw_free_code(form.folder.data())) : fill_in_interrupted(form);
+    form.error.clear();
+  } catch (const std::exception& error) {
+    form.error = error.what();
+  }
+}
+
 // What was done on the start screen. What follows Enter waits until that was tried and a field is ready
 // again.
 struct StartInput {
@@ -72,9 +101,9 @@ void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
     InputEvent event = input.waiting.front();
     input.waiting.pop_front();
     gui.take({event});
-    if (event.kind == InputKind::kKeyPress && event.key == Key::kF3) {
+    if (event.kind == InputKind::kKeyPress && (event.key == Key::kF3 || event.key == Key::kF4)) {
       gui.leave_field();
-      set_participant(form, draw_free_code(form.folder.data()));
+      fill_in(form, event.key);
     }
     input.is_submitted = read_start_key(event, form);
     if (!input.is_submitted) continue;

@@ -1,4 +1,4 @@
-// Two screens, the grid and one picture; keys and clicks for both.
+// Three screens, the grid, one picture and the results; keys and clicks for all.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <algorithm>
@@ -16,6 +16,7 @@
 #include "experiment/app/gui.h"
 #include "experiment/app/pages.h"
 #include "experiment/app/pictures.h"
+#include "experiment/app/results_view.h"
 #include "experiment/app/texture.h"
 #include "experiment/app/window.h"
 #include "experiment/browse.h"
@@ -85,14 +86,15 @@ class Browser {
         folder_{params.study_folder},
         window_(window),
         gui_(gui),
-        view_(read_folder(folder_, kind_)) {
+        view_(read_folder(folder_, kind_)),
+        results_(folder_, view_.study) {
     objects_ = enumerate_objects(view_.study);
   }
 
   void run() {
     while (!window_.is_closing() && !is_left_) {
-      (shows_picture_ ? draw_picture() : draw_grid());
-      const bool is_loading = !shows_picture_ && load_next_thumbnail();
+      draw();
+      const bool is_loading = !shows_picture_ && !shows_results_ && load_next_thumbnail();
       window_.wait(is_loading || gui_.has_events() ? 0 : kPatienceS);
       const auto events = window_.take_events();
       gui_.take(events);
@@ -187,7 +189,18 @@ class Browser {
       refresh();
   }
 
+  void draw() {
+    if (shows_results_) return draw_results();
+    return shows_picture_ ? draw_picture() : draw_grid();
+  }
+
+  void show_results(bool shows) {
+    shows_results_ = shows;
+    if (shows) results_.read(kind_);
+  }
+
   void press(int code) {
+    if (shows_results_) return press_on_results(code);
     const std::size_t levels = view_.study.clamp_levels.size();
     switch (code) {
       case GLFW_KEY_LEFT:
@@ -221,8 +234,18 @@ class Browser {
     }
   }
 
+  void press_on_results(int code) {
+    if (results_.press(code)) return;
+    if (code == GLFW_KEY_G || code == GLFW_KEY_BACKSPACE) return show_results(false);
+    if (code != GLFW_KEY_K) return;
+    press_letter(code);
+    results_.read(kind_);
+  }
+
   void press_letter(int code) {
     switch (code) {
+      case GLFW_KEY_G:
+        return show_results(!shows_picture_);
       case GLFW_KEY_D:
         shows_difference_ = !shows_difference_;
         shown_.clear();
@@ -276,7 +299,7 @@ class Browser {
                     describe_render()),
         fmt::format(
             "{} {} {}, v{} (object {} of {}: PageUp, PageDown; view: V). Arrows choose, Enter looks, W and S "
-            "move the window (frame), Backspace closes.",
+            "move the window (frame), G: graphs and EE, Backspace closes.",
             object().geometry, object().material, format_illumination(object().illumination), place_.view,
             place_.object + 1, objects_.size()),
         fmt::format("Below each picture: answers of {} subjects, right of all, artifact (a) and material "
@@ -285,6 +308,14 @@ class Browser {
                     format_kind(kind_), kind_ == SubjectKind::kPerson ? "planted" : "person")};
     if (!message_.empty()) lines.push_back(message_);
     return lines;
+  }
+
+  void draw_results() {
+    window_.clear();
+    gui_.begin_frame();
+    results_.draw(window_, gui_);
+    gui_.end_frame();
+    window_.swap();
   }
 
   void draw_grid() {
@@ -427,11 +458,13 @@ class Browser {
   std::vector<Thumbnail>
       thumbnails_;              ///< of this object and view, by column and level, as far as they are loaded
   std::vector<Texture> shown_;  ///< picture or difference, reference; empty: not loaded
+  ResultsView results_;
   BackgroundRender render_;
   RenderState render_state_ = RenderState::kIdle;
   std::string message_;
   bool follows_ = false;  ///< the chosen cell is to be scrolled to
-  bool shows_picture_ = false, is_flipped_ = false, shows_difference_ = false, is_left_ = false;
+  bool shows_picture_ = false, is_flipped_ = false, shows_difference_ = false, shows_results_ = false,
+       is_left_ = false;
 };
 
 }  // namespace

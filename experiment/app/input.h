@@ -17,7 +17,7 @@ inline constexpr std::int64_t kPageGuardNs =
 inline constexpr int kAnswerButton = 0;  ///< the left mouse button
 
 /// What the session knows of keys; everything else is for text fields.
-enum class Key { kLeft, kRight, kSpace, kEnter, kEscape, kF1, kF2, kF3, kBackspace, kOther };
+enum class Key { kLeft, kRight, kSpace, kEnter, kEscape, kF1, kF2, kF3, kF4, kBackspace, kOther };
 
 enum class InputKind { kKeyPress, kKeyRelease, kKeyRepeat, kMousePress, kMouseRelease, kCharacter, kScroll };
 

@@ -1,6 +1,8 @@
 // Between the manifest and the graphics card.
 #include "experiment/app/pictures.h"
 
+#include <utility>
+
 #include "base/digest.h"
 #include "base/error.h"
 #include "stimuli/png_file.h"
@@ -41,13 +43,19 @@ LdrImage load_picture(const StudyFolder& folder, const Manifest& manifest, const
   return image;
 }
 
+std::vector<std::string> list_keys_by_place(const TrialRow& trial) {
+  std::vector<std::string> keys{trial.test_key, trial.pair_key};
+  if (trial.test_side == Side::kRight) std::swap(keys[0], keys[1]);
+  if (!trial.upper_key.empty()) keys.push_back(trial.upper_key);
+  return keys;
+}
+
 TrialPictures load_trial_pictures(const StudyFolder& folder, const Manifest& manifest,
                                   const TrialRow& trial) {
-  const bool test_left = trial.test_side == Side::kLeft;
+  const auto keys = list_keys_by_place(trial);
   const auto load = [&](const std::string& key) { return Texture(load_picture(folder, manifest, key)); };
-  TrialPictures pictures{load(test_left ? trial.test_key : trial.pair_key),
-                         load(test_left ? trial.pair_key : trial.test_key), std::nullopt};
-  if (!trial.upper_key.empty()) pictures.upper = load(trial.upper_key);
+  TrialPictures pictures{load(keys[0]), load(keys[1]), std::nullopt};
+  if (keys.size() > 2) pictures.upper = load(keys[2]);
   return pictures;
 }
 

@@ -21,6 +21,10 @@ void check_pictures(const StudyFolder& folder, const Manifest& manifest,
 /// errors: InputError for a picture that is not in the manifest, has another digest or another size.
 LdrImage load_picture(const StudyFolder& folder, const Manifest& manifest, const std::string& key);
 
+/// Keys of a trial's pictures by their places: left, right and, where there is one, above. They are read in
+/// this order, whichever is the test picture.
+std::vector<std::string> list_keys_by_place(const TrialRow& trial);
+
 /// A trial's pictures, ready to be drawn.
 struct TrialPictures {
   Texture left;

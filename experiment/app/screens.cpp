@@ -128,7 +128,7 @@ StartForm make_start_form(const AppParams& params) {
   StartForm form;
   copy_text(form.folder, params.study_folder.string());
   copy_text(form.participant, params.participant);
-  if (params.experiment) form.experiment = *params.experiment == Experiment::kArtifact ? 0 : 1;
+  if (params.experiment) set_experiment(form, *params.experiment);
   return form;
 }
 
@@ -145,14 +145,18 @@ AppParams read_start_form(const StartForm& form, const AppParams& params) {
 
 void set_participant(StartForm& form, const std::string& code) { copy_text(form.participant, code); }
 
+void set_experiment(StartForm& form, Experiment experiment) {
+  form.experiment = experiment == Experiment::kArtifact ? 0 : 1;
+}
+
 bool draw_start(const Gui& gui, Size framebuffer, StartForm& form) {
   const Page page(gui, framebuffer, "New session");
   const bool takes_focus = std::exchange(form.takes_focus, false);
   const bool is_code_next = form.folder[0] != '\0' && form.participant[0] == '\0';
   draw_field("Study folder", form.folder.data(), form.folder.size(), takes_focus && !is_code_next);
   draw_choice(form.experiment);
-  draw_field("Participant code (not a name; F3 draws a new one)", form.participant.data(),
-             form.participant.size(), takes_focus && is_code_next);
+  draw_field("Participant code (not a name; F3 draws a new one, F4 takes the one that was interrupted last)",
+             form.participant.data(), form.participant.size(), takes_focus && is_code_next);
   const bool is_pressed = page.press("Start (Enter)");
   if (!form.error.empty()) {
     page.leave_space();

@@ -31,6 +31,7 @@ StartForm make_start_form(const AppParams& params);
 AppParams read_start_form(const StartForm& form, const AppParams& params);
 
 void set_participant(StartForm& form, const std::string& code);
+void set_experiment(StartForm& form, Experiment experiment);
 
 /// True when the button was pressed.
 bool draw_start(const Gui& gui, Size framebuffer, StartForm& form);

@@ -14,7 +14,6 @@ constexpr double kPatienceS = 0.1;  // between two looks at the clock when nothi
 constexpr double kPilotPatienceS = 0.002;
 // A pair that takes longer from its drawing to the screen is noted: two frames, and never less than this,
 // which a screen that does not wait for its frames may need.
-constexpr double kSlowFrames = 2, kSlowNs = 50e6;
 
 bool is_main(const TrialRow& trial) { return trial.phase != Phase::kPractice; }
 
@@ -126,10 +125,11 @@ void SessionWindow::show(int trial) {
   ignore_early_input();
   take(ShownEvent{trial, onset_ns});
   input_.open(onset_ns);
-  const double frame_ns = work_->facts.measured_hz ? 1e9 / *work_->facts.measured_hz : 0;
-  const auto took_ns = static_cast<double>(onset_ns - begin_ns);
-  if (took_ns > std::max(kSlowNs, kSlowFrames * frame_ns))
-    take(NoteEvent{"slow_frame", fmt::format("trial {}: {:.0f} ms", trial, took_ns / 1e6), onset_ns});
+  const std::int64_t took_ns = onset_ns - begin_ns;
+  if (is_slow_showing(took_ns, work_->facts.measured_hz)) {
+    const double took_ms = static_cast<double>(took_ns) / 1e6;
+    take(NoteEvent{"slow_frame", fmt::format("trial {}: {:.0f} ms", trial, took_ms), onset_ns});
+  }
   if (trial + 1 < static_cast<int>(session().trials.size())) load_ahead(trial + 1);
 }
 

@@ -8,7 +8,8 @@
 namespace equilux {
 namespace {
 
-constexpr double kPitchTolerance = 0.03;    // between card, diagonal and system
+constexpr double kPitchTolerance = 0.03;  // between card, diagonal and system
+constexpr double kSlowFrames = 2, kSlowNs = 50e6;
 constexpr double kRefreshTolerance = 0.05;  // between measured and nominal
 
 struct NamedPitch {
@@ -92,6 +93,11 @@ std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup,
   }
   if (facts.measured_hz) fields["refresh_hz_measured"] = fmt::format("{:.3f}", *facts.measured_hz);
   return fields;
+}
+
+bool is_slow_showing(std::int64_t took_ns, std::optional<double> measured_hz) {
+  const double frame_ns = measured_hz && *measured_hz > 0 ? 1e9 / *measured_hz : 0;
+  return static_cast<double>(took_ns) > std::max(kSlowNs, kSlowFrames * frame_ns);
 }
 
 std::optional<double> find_refresh_hz(const std::vector<std::int64_t>& shown_ns) {

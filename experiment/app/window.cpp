@@ -99,6 +99,8 @@ Key name_key(int code) {
       return Key::kF2;
     case GLFW_KEY_F3:
       return Key::kF3;
+    case GLFW_KEY_F4:
+      return Key::kF4;
     case GLFW_KEY_BACKSPACE:
       return Key::kBackspace;
     default:

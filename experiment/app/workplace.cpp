@@ -70,8 +70,8 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
                  read_screen_facts(display, window),
                  {},
                  {},
-                 std::move(log),
-                 goes_on};
+                 std::move(log)};
+  work.goes_on = goes_on;
   set_up(work, {params.diagonal_m, 0, 0});
   return work;
 }

@@ -88,6 +88,18 @@ TEST(SetupTest, TheFieldsOfASessionTellHowItWasSetUp) {
   EXPECT_EQ(fields.at("video_mode"), "1600x1200");
 }
 
+// Two frames, and never less than 50 ms; without a rate 50 ms alone.
+TEST(SetupTest, AShowingIsSlowByTheScreensRate) {
+  const std::int64_t ms = 1'000'000;
+  for (const std::optional<double> hz :
+       {std::optional(60.0), std::optional(144.0), std::optional(0.0), std::optional<double>()}) {
+    EXPECT_FALSE(is_slow_showing(50 * ms, hz));
+    EXPECT_TRUE(is_slow_showing(50 * ms + 1, hz));
+  }
+  EXPECT_FALSE(is_slow_showing(83 * ms, 24)) << "two frames of a film";
+  EXPECT_TRUE(is_slow_showing(84 * ms, 24));
+}
+
 // Intervals of 60 and 144 Hz with one dropped frame; and of a screen that does not wait.
 TEST(SetupTest, TheRefreshRateIsThatOfTheMedianInterval) {
   for (const double hz : {60.0, 144.0}) {
