@@ -507,6 +507,47 @@ TEST_F(AppTest, AWholeProtocolLeadsFromConsentToThanks) {
             static_cast<std::size_t>(kSmallArtifactTrials));
 }
 
+int count_resumes(const StudyFolder& folder, std::int64_t session) {
+  int count = 0;
+  for (const EventRow& event : TrialLog::load_snapshot(folder.responses()).load_events(session))
+    count += event.kind == "resume" ? 1 : 0;
+  return count;
+}
+
+// Who has agreed and was asked is asked neither again.
+TEST_F(AppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_protocol(folder);
+  XDisplay display;
+  std::int64_t id = 0;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.click(274, 441);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    id = session.wait_for_session(Experiment::kArtifact);
+    session.program().send_signal(SIGKILL);
+    ASSERT_TRUE(session.program().wait());
+  }
+  // Found again on the start screen, then the set-up screen.
+  WatchedSession session(display, folder, kSmallPlan, {"--windowed", folder.root.string()});
+  session.wait_for_page("start-interrupted");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F4");
+  display.type_key("Return");
+  session.wait_for_page("setup-interrupted");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_TRUE(wait_until([&] { return count_resumes(folder, id) == 1; })) << session.program().read_output();
+  EXPECT_EQ(TrialLog::load_snapshot(folder.responses()).load_sessions().size(), 1U);
+}
+
 TEST_F(AppTest, WhoDeclinesLeavesNoTrace) {
   const StudyFolder folder = make_study(kSmallPlan);
   write_protocol(folder);

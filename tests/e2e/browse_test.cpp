@@ -1,0 +1,209 @@
+// The workspace under a real X server, by keys: a set rendered beside the window, pictures flipped, results.
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <map>
+#include <set>
+
+#include "analysis/interim.h"
+#include "renderer/set.h"
+#include "stimuli/png_file.h"
+#include "tests/e2e/child_process.h"
+#include "tests/e2e/x_display.h"
+#include "tests/experiment/fake_study.h"
+#include "tests/renderer/tiny_study.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+const std::string kBin = EQUILUX_BIN_DIR;
+
+// Large enough that it is still at work when it is paused and cancelled.
+fs::path write_study(const test::TinyStudy& tiny) {
+  Json json = tiny.load().source;
+  json.set("image", parse_json(R"({"width":96,"height":72})", ""));
+  json.set("paths", parse_json(R"({"object_indirect":256,"object_direct":64,"background":64})", ""));
+  const fs::path path = tiny.folder() / "study.json";
+  save_text(path, format_json(json));
+  return path;
+}
+
+// The state letter of the renderer's process for this folder, as /proc/PID/stat has it; 0 where there is
+// none.
+char find_renderer_state(const fs::path& folder) {
+  std::error_code gone;
+  for (const auto& entry : fs::directory_iterator("/proc", gone)) {
+    if (std::atoi(entry.path().filename().c_str()) <= 1) continue;
+    std::ifstream file(entry.path() / "cmdline", std::ios::binary);
+    const std::string words((std::istreambuf_iterator<char>(file)), {});
+    if (!words.starts_with(kBin + "/equilux-render") || words.find(folder.string()) == std::string::npos)
+      continue;
+    std::ifstream stat(entry.path() / "stat");
+    const std::string text((std::istreambuf_iterator<char>(stat)), {});
+    const std::size_t end = text.rfind(')');
+    if (end != std::string::npos && end + 2 < text.size()) return text[end + 2];
+  }
+  return 0;
+}
+
+void run(const std::vector<std::string>& arguments) {
+  ChildProcess program(arguments);
+  ASSERT_EQ(program.wait(), 0) << program.read_output();
+}
+
+LdrImage load(const StudyFolder& folder, const std::string& key) {
+  return load_png(folder.root / load_manifest(folder.manifest()).pictures.at(key).file);
+}
+
+// Of the report's graphs.
+const std::map<Region, std::array<std::uint8_t, 3>> kColours{{Region::kArtifact, {247, 188, 201}},
+                                                             {Region::kChanged, {224, 96, 79}},
+                                                             {Region::kBoth, {236, 143, 147}},
+                                                             {Region::kEquivalent, {147, 207, 152}},
+                                                             {Region::kUntested, {241, 241, 239}}};
+
+std::set<Region> find_regions(const StudyFolder& folder, Illumination illumination) {
+  std::set<Region> regions;
+  for (const ColumnFinding& column :
+       load_interim(folder, load_folder_study(folder), SubjectKind::kPlanted).columns) {
+    if (column.column.object.illumination != illumination) continue;
+    for (const Region region : column.under(Rule::kPaper).regions) regions.insert(region);
+  }
+  return regions;
+}
+
+// Whether the picture stands somewhere on the screen, pixel for pixel.
+bool shows(const LdrImage& screen, const LdrImage& picture) {
+  const auto row = [](const LdrImage& image, int x, int y) {
+    return image.values.data() + 3 * (static_cast<std::ptrdiff_t>(y) * image.width + x);
+  };
+  const auto bytes = static_cast<std::size_t>(picture.width) * 3;
+  const auto is_at = [&](int x, int y) {
+    for (int line = 0; line < picture.height; ++line) {
+      if (std::memcmp(row(screen, x, y + line), row(picture, 0, line), bytes) != 0) return false;
+    }
+    return true;
+  };
+  for (int y = 0; y + picture.height <= screen.height; ++y) {
+    for (int x = 0; x + picture.width <= screen.width; ++x) {
+      if (is_at(x, y)) return true;
+    }
+  }
+  return false;
+}
+
+std::size_t count_pixels(const LdrImage& screen, std::array<std::uint8_t, 3> colour) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + 2 < screen.values.size(); i += 3)
+    count += std::equal(colour.begin(), colour.end(), screen.values.begin() + static_cast<std::ptrdiff_t>(i));
+  return count;
+}
+
+class BrowseAppTest : public testing::Test {
+ protected:
+  ChildProcess browse(const StudyFolder& folder, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> line{kBin + "/equilux-session", "browse", folder.root.string()};
+    line.insert(line.end(), more.begin(), more.end());
+    return ChildProcess(line, {{"DISPLAY", display_.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}});
+  }
+  bool wait_for_screen(const char* name, const std::function<bool(const LdrImage&)>& is_wanted) const {
+    std::optional<LdrImage> screen;
+    const bool came = wait_until([&] { return is_wanted(screen.emplace(display_.take_screenshot())); });
+    if (const char* shots = std::getenv("EQUILUX_SCREENSHOTS"); shots && screen)
+      save_png(*screen, fs::path(shots) / (std::string(name) + ".png"));
+    return came;
+  }
+  bool wait_for_window() const {
+    return wait_for_screen("browse-grid", [](const LdrImage& screen) {
+      return count_pixels(screen, {128, 128, 128}) > 100000 && count_pixels(screen, {255, 255, 255}) > 500 &&
+             count_pixels(screen, kColours.at(Region::kUntested)) == 0;
+    });
+  }
+
+  XDisplay display_;
+};
+
+TEST_F(BrowseAppTest, RendersWhatIsMissingPausesCancelsAndGoesOn) {
+  const test::TinyStudy tiny;
+  const fs::path study = write_study(tiny);
+  const StudyFolder folder{tiny.folder() / "set"};
+  run({kBin + "/equilux-render", "set", study.string(), "--out", folder.root.string(), "--only",
+       "G0-MS-ind-100-C0-v0"});
+  ChildProcess app = browse(folder, {"--study", study.string()});
+  ASSERT_TRUE(wait_for_window()) << app.read_output();
+  const auto state_comes = [&](auto is_wanted) {
+    return wait_until([&] { return is_wanted(find_renderer_state(folder.root)); });
+  };
+  display_.type_key("r");
+  ASSERT_TRUE(state_comes([](char state) { return state == 'R' || state == 'S'; }));
+  display_.type_key("p");
+  ASSERT_TRUE(state_comes([](char state) { return state == 'T'; }));
+  display_.type_key("r");
+  ASSERT_TRUE(state_comes([](char state) { return state != 'T'; }));
+  display_.type_key("c");
+  ASSERT_TRUE(state_comes([](char state) { return state == 0; }));
+  display_.type_key("r");
+  ASSERT_TRUE(state_comes([](char state) { return state != 0; }));
+  ASSERT_TRUE(state_comes([](char state) { return state == 0; }));
+
+  SetParams params;
+  params.study_path = study;
+  params.folder = tiny.folder() / "whole";
+  make_set(params);
+  EXPECT_EQ(test::digest_products(folder.root), test::digest_products(params.folder));
+  const LdrImage picture = load(folder, "G0-MS-ind-100-C0-v0"), reference = load(folder, "G0-MS-ind-ref-v0"),
+                 neighbour = load(folder, "G0-MS-ind-100-C1-v0");
+  display_.type_key("Return");
+  EXPECT_TRUE(
+      wait_for_screen("browse-picture", [&](const LdrImage& screen) { return shows(screen, picture); }));
+  display_.type_key("space");
+  EXPECT_TRUE(
+      wait_for_screen("browse-reference", [&](const LdrImage& screen) { return shows(screen, reference); }));
+  display_.type_key("space");
+  display_.type_key("Up");
+  EXPECT_TRUE(
+      wait_for_screen("browse-neighbour", [&](const LdrImage& screen) { return shows(screen, neighbour); }));
+  display_.type_key("BackSpace");
+  ASSERT_TRUE(wait_for_window());
+  display_.type_key("BackSpace");
+  EXPECT_EQ(app.wait(), 0) << app.read_output();
+}
+
+TEST_F(BrowseAppTest, ShowsTheRegionsOfTheAnswersSoFar) {
+  const TemporaryFolder temporary;
+  const StudyFolder folder = make_fake_study(temporary.path());
+  Illumination illumination = Illumination::kIndirect;
+  const auto shows_regions = [&](const LdrImage& screen) {
+    const auto regions = find_regions(folder, illumination);
+    return std::all_of(kColours.begin(), kColours.end(), [&](const auto& entry) {
+      return (count_pixels(screen, entry.second) > 100) == regions.contains(entry.first);
+    });
+  };
+  ChildProcess app = browse(folder);
+  ASSERT_TRUE(wait_for_window()) << app.read_output();
+  display_.type_key("g");
+  EXPECT_EQ(find_regions(folder, illumination), std::set<Region>{Region::kUntested});
+  EXPECT_TRUE(wait_for_screen("browse-no-results", shows_regions));
+
+  for (const std::string experiment : {"artifact", "material"}) {
+    if (experiment == "material") run({kBin + "/equilux-analyze", "prune", folder.root.string()});
+    run({kBin + "/equilux-session", "simulate", folder.root.string(), "--experiment", experiment,
+         "--subjects", "12", "--seed", "1"});
+  }
+  EXPECT_TRUE(find_regions(folder, illumination).contains(Region::kEquivalent));
+  display_.type_key("k");
+  EXPECT_TRUE(wait_for_screen("browse-results", shows_regions));
+  display_.type_key("Page_Down");
+  illumination = Illumination::kDirectAndIndirect;
+  EXPECT_TRUE(wait_for_screen("browse-results-dir", shows_regions));
+  display_.type_key("g");
+  ASSERT_TRUE(wait_for_window());
+  display_.type_key("BackSpace");
+  EXPECT_EQ(app.wait(), 0) << app.read_output();
+}
+
+}  // namespace
+}  // namespace equilux
