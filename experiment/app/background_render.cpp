@@ -42,6 +42,7 @@ BackgroundRender::~BackgroundRender() {
 }
 
 void BackgroundRender::start(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
+  poll();  // a process that has just ended is in nobody's way
   if (state_ == RenderState::kRunning || state_ == RenderState::kPaused) return;
   const std::string program = find_program(), study = study_file, root = folder;
   int ends[2];

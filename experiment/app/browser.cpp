@@ -150,7 +150,7 @@ class Browser {
   void move(std::size_t& at, int steps, std::size_t count) {
     const auto last = static_cast<int>(count) - 1;
     at = static_cast<std::size_t>(std::clamp(static_cast<int>(at) + steps, 0, last));
-    follows_ = true;
+    follows_ = 1;
     shown_.clear();
   }
 
@@ -394,10 +394,6 @@ class Browser {
         describe_count(view_.artifact, here, "a") + "  " + describe_count(view_.material, here, "m");
     list->AddText(nullptr, 16, ImVec2(corner.x, end.y + 1), IM_COL32_BLACK, text.c_str());
     ImGui::SetCursorScreenPos(corner);
-    if (follows_ && count == place_.count && level == place_.level) {
-      ImGui::SetScrollHereY();
-      follows_ = false;
-    }
     ImGui::PushID(static_cast<int>(number));
     if (ImGui::InvisibleButton("cell", size)) {
       place_.count = count;
@@ -405,6 +401,10 @@ class Browser {
       press(GLFW_KEY_ENTER);
     }
     ImGui::PopID();
+    if (follows_ > 0 && count == place_.count && level == place_.level) {
+      ImGui::SetScrollHereY();  // to the button above
+      --follows_;
+    }
   }
 
   bool is_in_window(std::size_t count, std::size_t level) const {
@@ -462,7 +462,8 @@ class Browser {
   BackgroundRender render_;
   RenderState render_state_ = RenderState::kIdle;
   std::string message_;
-  bool follows_ = false;  ///< the chosen cell is to be scrolled to
+  int follows_ =
+      3;  ///< frames in which the chosen cell is scrolled to; at first ImGui does not know its page
   bool shows_picture_ = false, is_flipped_ = false, shows_difference_ = false, shows_results_ = false,
        is_left_ = false;
 };

@@ -4,6 +4,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <imgui.h>
 #include <utility>
@@ -19,24 +20,36 @@ constexpr float kDot = 3.5F, kSmall = 15, kDotInset = 6;
 constexpr ImU32 kInk = IM_COL32(0, 0, 0, 255), kPaper = IM_COL32(255, 255, 255, 255);
 
 struct Look {
-  ImU32 fill;
+  std::array<int, 3> fill;
   const char* letter;
 };
 
 Look look_of(Region region) {
   switch (region) {
     case Region::kArtifact:
-      return {IM_COL32(247, 188, 201, 255), "A"};
+      return {{247, 188, 201}, "A"};
     case Region::kChanged:
-      return {IM_COL32(224, 96, 79, 255), "M"};
+      return {{224, 96, 79}, "M"};
     case Region::kBoth:
-      return {IM_COL32(236, 143, 147, 255), "AM"};
+      return {{236, 143, 147}, "AM"};
     case Region::kEquivalent:
-      return {IM_COL32(147, 207, 152, 255), "E"};
+      return {{147, 207, 152}, "E"};
     case Region::kUntested:
       break;
   }
-  return {IM_COL32(241, 241, 239, 255), "?"};
+  return {{241, 241, 239}, "?"};
+}
+
+// Whether the level's own answers are behind its colour, as in the report's graphs.
+bool is_observed(const ColumnFinding& column, Region region, std::size_t level) {
+  if (region == Region::kUntested) return true;
+  return (region == Region::kArtifact ? column.artifact : column.material)[level].count.n > 0;
+}
+
+// Paler where it is inferred from neighbours.
+ImU32 fill_of(const Look& look, bool is_observed) {
+  const auto pale = [&](int value) { return is_observed ? value : (55 * value + 45 * 255) / 100; };
+  return IM_COL32(pale(look.fill[0]), pale(look.fill[1]), pale(look.fill[2]), 255);
 }
 
 const char* mark_of(Verdict verdict) {
@@ -77,7 +90,7 @@ void draw_level(ImDrawList* list, ImVec2 corner, const ColumnFinding& column, co
                 std::size_t level) {
   const ImVec2 end(corner.x + kCellWidth - 1, corner.y + kCellHeight - 1);
   const Look look = look_of(finding.regions[level]);
-  list->AddRectFilled(corner, end, look.fill);
+  list->AddRectFilled(corner, end, fill_of(look, is_observed(column, finding.regions[level], level)));
   const float middle = corner.x + kCellWidth / 2, dot_y = corner.y + kCellHeight / 2;
   write_centred(list, middle, corner.y + 1, look.letter);
   draw_dot(list, ImVec2(corner.x + kDotInset, dot_y), column.artifact[level].count);
@@ -162,7 +175,8 @@ std::vector<std::string> ResultsView::list_lines() const {
                   illuminations_.size() > 1 ? " PageUp, PageDown: the other light." : ""),
       "A artifacts seen, M material changed, AM both, E visually equivalent (underlined: supported at 95 %), "
       "? "
-      "not tested enough. Dots: artifact left, material right, filled where 3/4 or more were right."};
+      "not tested enough; paler: inferred from neighbours. Dots: artifact left, material right, filled where "
+      "3/4 or more were right."};
   if (!message_.empty()) lines.push_back(message_);
   return lines;
 }

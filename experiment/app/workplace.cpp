@@ -34,6 +34,15 @@ SessionRequest make_request(const AppParams& params) {
   return request;
 }
 
+// Of earlier sittings, and that this one goes on.
+std::map<std::string, int> count_notes(const std::vector<EventRow>& events) {
+  std::map<std::string, int> notes;
+  for (const EventRow& event : events) {
+    if (event.kind != "showing" && event.kind != "answer" && event.kind != "break") ++notes[event.kind];
+  }
+  return notes;
+}
+
 }  // namespace
 
 bool is_complete(const AppParams& params) {
@@ -91,7 +100,8 @@ Seat take_seat(Workplace& work, const std::map<std::string, std::string>& fields
   TrialLog log = work.log ? std::move(*work.log) : TrialLog(work.folder().responses(), true);
   work.log.reset();
   OpenSession open = open_session(work.inputs, log, work.request);
-  return {std::move(log), std::move(open)};
+  const auto notes = count_notes(log.load_events(open.row.id));
+  return {std::move(log), std::move(open), notes};
 }
 
 }  // namespace equilux

@@ -536,7 +536,7 @@ TEST_F(AppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
     ASSERT_TRUE(session.program().wait());
   }
   // Found again on the start screen, then the set-up screen.
-  WatchedSession session(display, folder, kSmallPlan, {"--windowed", folder.root.string()});
+  WatchedSession session(display, folder, kSmallPlan, {folder.root.string()});
   session.wait_for_page("start-interrupted");
   ASSERT_FALSE(HasFatalFailure());
   display.type_key("F4");
@@ -546,6 +546,10 @@ TEST_F(AppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
   display.type_key("Return");
   EXPECT_TRUE(wait_until([&] { return count_resumes(folder, id) == 1; })) << session.program().read_output();
   EXPECT_EQ(TrialLog::load_snapshot(folder.responses()).load_sessions().size(), 1U);
+  session.wait_for_page("");
+  display.close_windows();
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("resume: 1"));
 }
 
 TEST_F(AppTest, WhoDeclinesLeavesNoTrace) {

@@ -65,11 +65,10 @@ const std::map<Region, std::array<std::uint8_t, 3>> kColours{{Region::kArtifact,
                                                              {Region::kEquivalent, {147, 207, 152}},
                                                              {Region::kUntested, {241, 241, 239}}};
 
-std::set<Region> find_regions(const StudyFolder& folder, Illumination illumination) {
+std::set<Region> find_regions(const StudyFolder& folder) {
   std::set<Region> regions;
   for (const ColumnFinding& column :
        load_interim(folder, load_folder_study(folder), SubjectKind::kPlanted).columns) {
-    if (column.column.object.illumination != illumination) continue;
     for (const Region region : column.under(Rule::kPaper).regions) regions.insert(region);
   }
   return regions;
@@ -147,7 +146,10 @@ TEST_F(BrowseAppTest, RendersWhatIsMissingPausesCancelsAndGoesOn) {
   ASSERT_TRUE(state_comes([](char state) { return state == 0; }));
   display_.type_key("r");
   ASSERT_TRUE(state_comes([](char state) { return state != 0; }));
-  ASSERT_TRUE(state_comes([](char state) { return state == 0; }));
+  bool is_done = false;  // it is nice to whatever else runs
+  for (int patience = 0; patience < 10 && !is_done; ++patience)
+    is_done = state_comes([](char state) { return state == 0; });
+  ASSERT_TRUE(is_done);
 
   SetParams params;
   params.study_path = study;
@@ -175,9 +177,8 @@ TEST_F(BrowseAppTest, RendersWhatIsMissingPausesCancelsAndGoesOn) {
 TEST_F(BrowseAppTest, ShowsTheRegionsOfTheAnswersSoFar) {
   const TemporaryFolder temporary;
   const StudyFolder folder = make_fake_study(temporary.path());
-  Illumination illumination = Illumination::kIndirect;
   const auto shows_regions = [&](const LdrImage& screen) {
-    const auto regions = find_regions(folder, illumination);
+    const auto regions = find_regions(folder);
     return std::all_of(kColours.begin(), kColours.end(), [&](const auto& entry) {
       return (count_pixels(screen, entry.second) > 100) == regions.contains(entry.first);
     });
@@ -185,7 +186,7 @@ TEST_F(BrowseAppTest, ShowsTheRegionsOfTheAnswersSoFar) {
   ChildProcess app = browse(folder);
   ASSERT_TRUE(wait_for_window()) << app.read_output();
   display_.type_key("g");
-  EXPECT_EQ(find_regions(folder, illumination), std::set<Region>{Region::kUntested});
+  EXPECT_EQ(find_regions(folder), std::set<Region>{Region::kUntested});
   EXPECT_TRUE(wait_for_screen("browse-no-results", shows_regions));
 
   for (const std::string experiment : {"artifact", "material"}) {
@@ -193,12 +194,9 @@ TEST_F(BrowseAppTest, ShowsTheRegionsOfTheAnswersSoFar) {
     run({kBin + "/equilux-session", "simulate", folder.root.string(), "--experiment", experiment,
          "--subjects", "12", "--seed", "1"});
   }
-  EXPECT_TRUE(find_regions(folder, illumination).contains(Region::kEquivalent));
+  EXPECT_TRUE(find_regions(folder).contains(Region::kEquivalent));
   display_.type_key("k");
   EXPECT_TRUE(wait_for_screen("browse-results", shows_regions));
-  display_.type_key("Page_Down");
-  illumination = Illumination::kDirectAndIndirect;
-  EXPECT_TRUE(wait_for_screen("browse-results-dir", shows_regions));
   display_.type_key("g");
   ASSERT_TRUE(wait_for_window());
   display_.type_key("BackSpace");
