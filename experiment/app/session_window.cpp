@@ -304,9 +304,10 @@ bool SessionWindow::lay_out_page() {
                     answered = number(count_main(session(), true));
   switch (session().screen) {
     case Screen::kInstructions:
-      return draw_instructions(*gui_, size, texts,
-                               {session().experiment, count_main(session(), false),
-                                count_main(session(), true), work_->setup.remarks});
+      return draw_instructions(
+          *gui_, size, texts,
+          {session().experiment, count_main(session(), false), count_main(session(), true),
+           work_->is_set_up ? std::vector<std::string>{} : work_->setup.remarks});
     case Screen::kPractice:
       return draw_message(*gui_, size, texts.at("practice_title"),
                           {texts.fill("practice_text", {{"count", number(count_practice(session()))}})},

@@ -38,7 +38,7 @@ SessionRequest make_request(const AppParams& params) {
 std::map<std::string, int> count_notes(const std::vector<EventRow>& events) {
   std::map<std::string, int> notes;
   for (const EventRow& event : events) {
-    if (event.kind != "showing" && event.kind != "answer" && event.kind != "break") ++notes[event.kind];
+    if (event.kind != "showing" && event.kind != "answer") ++notes[event.kind];
   }
   return notes;
 }

@@ -36,8 +36,7 @@ struct Workplace {
 struct Seat {
   TrialLog log;
   OpenSession open;
-  std::map<std::string, int> notes =
-      {};  ///< events of all its sittings that a session without trouble has none of, by kind
+  std::map<std::string, int> notes = {};  ///< events of all its sittings but showings and answers, by kind
   std::vector<std::int64_t> latencies_ns =
       {};  ///< from an answer to the onset of the next pair, in this sitting
 };
