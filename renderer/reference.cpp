@@ -59,7 +59,7 @@ PathMap make_no_paths(const PathMap& map) { return PathMap(map.size(), 0); }
 constexpr double kLookedAt = 6000;
 // What the room is foreseen to err by over what is asked: that the pixels are few and grey is not every
 // material.
-constexpr double kMarginOfRoom = 0.96;
+constexpr double kMarginOfRoom = 0.93;
 // Against a second pilot that saw hardly anything.
 constexpr double kLeastScale = 0.4, kMostScale = 2.5;
 
@@ -293,13 +293,46 @@ FamilyLayers trace_by_paths(const FamilyScene& scene, const PathMaps& maps, Trac
 // seldom.
 constexpr int kMostTurns = 4;
 constexpr double kTurnMargin = 1.1;
+// The room's mean error is known from many pixels.
+constexpr double kRoomTurnMargin = 1.03;
 
-// The object's error over the target.
-double find_miss(const FamilyLayers& layers, const HdrImage& coverage, const ReferenceParams& params) {
+// Error over target: over 1 where it is missed.
+struct Miss {
+  double object = 0, room = 0;
+};
+
+Miss find_miss(const FamilyLayers& layers, const HdrImage& coverage, const ReferenceParams& params) {
   const HdrImage reference = composite({&layers.background, &layers.direct, &layers.indirect});
   const DisplayNoise noise = measure_display_noise(reference, layers.standard_error, coverage,
                                                    make_tone_curve(reference, coverage, params.tone));
-  return std::max(noise.object_mean / params.target.object_mean, noise.object_p99 / params.target.object_p99);
+  const NoiseTarget& target = params.target;
+  return {std::max(noise.object_mean / target.object_mean, noise.object_p99 / target.object_p99),
+          noise.outside_mean / target.outside_mean};
+}
+
+// Each with its standard error: the sum's, with another room in it.
+void exchange_room(FamilyLayers& layers, const TracedLayer& before, const TracedLayer& after) {
+  layers.background = after.mean;
+  for (std::size_t i = 0; i < layers.standard_error.values.size(); ++i) {
+    const double all = layers.standard_error.values[i], old = before.standard_error.values[i],
+                 now = after.standard_error.values[i];
+    layers.standard_error.values[i] =
+        static_cast<float>(std::sqrt(std::max(0.0, all * all - old * old) + now * now));
+  }
+}
+
+// The room beside this object alone, by `scale` times the paths, from other random numbers.
+TracedLayer trace_room_again(const FamilyScene& scene, const BackgroundPlan& plan, double scale,
+                             const ReferenceParams& params, int turn, const FamilyProgress& progress) {
+  BackgroundPlan more = plan;
+  for (std::uint32_t& paths : more.map) {
+    if (paths > 0) paths = scale_paths(paths, scale);
+  }
+  ReferenceParams again = params;
+  again.background_stream_name = fmt::format("{}.room-turn-{}", params.stream_name, turn);
+  progress.expect_more(count_background(scene.primary, more.map));
+  return std::move(trace_planned_backgrounds(scene.world, {&scene.materials, 1}, scene.primary, more, again,
+                                             progress.advance)[0]);
 }
 
 }  // namespace
@@ -341,15 +374,25 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
                           const ReferenceParams& params, const FamilyProgress& progress) {
   FamilyLayers layers = trace_once(scene, plan, background, params, progress);
   if (params.fixed) return layers;
+  TracedLayer room = background;
+  double room_scale = 1;
   ReferenceParams tighter = params;
   for (int turn = 1; turn < kMostTurns; ++turn) {
-    const double miss = find_miss(layers, make_coverage(scene.primary), params);
-    if (miss <= 1) break;
-    tighter.target.object_mean /= kTurnMargin * miss;
-    tighter.target.object_p99 /= kTurnMargin * miss;
-    tighter.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
-    progress.expect_more(estimate_object_paths(tighter, scene.primary));
-    layers = trace_once(scene, plan, background, tighter, progress);
+    const Miss miss = find_miss(layers, make_coverage(scene.primary), params);
+    if (miss.object <= 1 && miss.room <= 1) break;
+    if (miss.room > 1) {
+      room_scale *= kRoomTurnMargin * kRoomTurnMargin * miss.room * miss.room;
+      TracedLayer other = trace_room_again(scene, plan, room_scale, params, turn, progress);
+      exchange_room(layers, room, other);
+      room = std::move(other);
+    }
+    if (miss.object > 1) {
+      tighter.target.object_mean /= kTurnMargin * miss.object;
+      tighter.target.object_p99 /= kTurnMargin * miss.object;
+      tighter.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
+      progress.expect_more(estimate_object_paths(tighter, scene.primary));
+      layers = trace_once(scene, plan, room, tighter, progress);
+    }
     layers.turns = turn + 1;
   }
   return layers;

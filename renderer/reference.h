@@ -50,8 +50,9 @@ std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span
 PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
                       const FamilyProgress& progress);
 
-/// The object's layers, joined with the room's. Where their error misses the target they are thrown away and
-/// made again to a tighter one, a few times: so what is kept is unbiased but for that choice.
+/// The object's layers, joined with the room's. Where the object's or the room's error misses the target
+/// these are thrown away and made again to a tighter one, a few times: so what is kept is unbiased but for
+/// that choice.
 /// errors: as trace_layers
 FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const TracedLayer& background,
                           const ReferenceParams& params, const FamilyProgress& progress);

@@ -1,6 +1,7 @@
 // Paths allotted by a pilot: unbiased, and enough.
 #include "renderer/reference.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "renderer/parallel.h"
@@ -151,7 +152,7 @@ TEST(Reference, OfManyPixelsErrsInTheRoomByHardlyLessThanIsAsked) {
   const NoiseTarget target{8, 30, 6};
   const DisplayNoise noise = stage.noise(stage.trace(adaptive(target, 1)));
   EXPECT_LE(noise.outside_mean, target.outside_mean);
-  EXPECT_GT(noise.outside_mean, .92 * target.outside_mean) << noise.outside_mean;
+  EXPECT_GT(noise.outside_mean, .89 * target.outside_mean) << noise.outside_mean;
 }
 
 // Twelve seeds, a 99th percentile that is hardly foreseen: some miss it and are made again, all meet it.
@@ -168,6 +169,35 @@ TEST(Reference, ThatMissesItsTargetIsMadeAgain) {
   }
   EXPECT_GE(again, 1) << "otherwise this test shows nothing";
   EXPECT_LE(again, 9) << "what is foreseen should mostly come true";
+}
+
+// Of a layer's mean, its pixels being independent.
+double error_of_mean(const HdrImage& standard_error) {
+  double sum = 0;
+  for (float value : standard_error.values) sum += double{value} * value;
+  return std::sqrt(sum) / static_cast<double>(standard_error.values.size());
+}
+
+// A room planned for four times the error: it is traced again for this object, and shows the same light.
+TEST(Reference, WhoseRoomMissesItsTargetGetsAnotherRoom) {
+  const Stage stage(64, 1);
+  ReferenceParams params = adaptive({8, 30, 5}, 1);
+  params.stream_name = params.background_stream_name = "test";
+  ReferenceParams poor = params;
+  poor.target.outside_mean = 20;
+  const BackgroundPlan plan = plan_background(stage.world, stage.primary, poor, test::no_progress());
+  const auto rooms =
+      trace_planned_backgrounds(stage.world, {&stage.materials, 1}, stage.primary, plan, poor, [](double) {});
+  const FamilyScene scene{stage.world, stage.materials, stage.primary};
+  const FamilyLayers layers = trace_object(scene, plan, rooms[0], params, test::no_progress());
+  EXPECT_GT(layers.turns, 1);
+  const DisplayNoise noise = stage.noise(layers);
+  EXPECT_LE(noise.outside_mean, 5);
+  EXPECT_GT(noise.outside_mean, 4) << "no more than is asked";
+  EXPECT_LE(noise.object_mean, 8);
+  const double difference = mean_of(layers.background) - mean_of(rooms[0].mean);
+  EXPECT_NE(difference, 0);
+  EXPECT_LT(std::abs(difference), 4 * error_of_mean(rooms[0].standard_error));
 }
 
 // The same noise on the object takes fewer paths than an even number for all pixels: the measure's whole
