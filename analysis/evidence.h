@@ -24,7 +24,7 @@ struct Evidence {
   SubjectKind kind = SubjectKind::kPerson;
   ExperimentEvidence artifact;
   ExperimentEvidence material;
-  std::int64_t withdrawn = 0;  ///< participants of any kind whose answers were erased at their wish
+  std::int64_t withdrawn = 0;  ///< tombstones: a participant of several logs has one in each
 
   const ExperimentEvidence& of(Experiment experiment) const {
     return experiment == Experiment::kArtifact ? artifact : material;
@@ -41,7 +41,8 @@ SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<S
 ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,
                                    Experiment experiment, const Study& study, const std::string& source);
 
-/// Reads the log of a study folder. errors: InputError without a log or without finished artifact sessions.
+/// Reads the log of a study folder. errors: InputError without a log or without finished artifact sessions,
+/// and for a session.json that cannot be read.
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted);
 
 /// Adds the evidence of several logs of one study up; sessions get new numbers 1, 2, ... in the order of

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
+#include "protocols/session_protocol.h"
 #include "stimuli/verify_pictures.h"
 
 namespace equilux {
@@ -93,6 +94,8 @@ ReportSources load_sources(const StudyFolder& folder, const Study& study, Subjec
       folder.windows(), [&](const std::filesystem::path& path) { return load_windows(path, study); });
   sources.manifest = load_if_there<Manifest>(
       folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
+  sources.protocol = load_if_there<std::string>(
+      folder.session(), [](const std::filesystem::path& path) { return load_session_protocol(path).digest; });
   sources.convergences = load_convergences(folder.convergence_folder());
   return sources;
 }

@@ -97,11 +97,21 @@ void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experi
 }
 
 void warn_of_withdrawn(Report& report) {
-  if (report.evidence.withdrawn == 0) return;
-  report.warnings.push_back(fmt::format("{} withdrew: nothing of theirs is left to count.",
-                                        report.evidence.withdrawn == 1
-                                            ? "1 participant"
-                                            : fmt::format("{} participants", report.evidence.withdrawn)));
+  if (report.evidence.withdrawn == 0 || report.evidence.kind != SubjectKind::kPerson) return;
+  report.warnings.push_back(
+      fmt::format("Withdrawals that the logs record: {}; nothing of those answers is left to count. A "
+                  "participant who withdrew from two logs is counted twice.",
+                  report.evidence.withdrawn));
+}
+
+void warn_of_protocols(Report& report) {
+  std::set<std::string> protocols = digests_of(report.evidence.artifact.finished, &SessionDigests::protocol);
+  protocols.merge(digests_of(report.evidence.material.finished, &SessionDigests::protocol));
+  if (protocols.size() < 2) return;
+  report.warnings.push_back(
+      fmt::format("The sessions followed {} session protocols: their practice, breaks, least times or catch "
+                  "trials differ.",
+                  protocols.size()));
 }
 
 std::vector<std::int64_t> find_marked(const SubjectsReport& subjects) {
@@ -181,6 +191,11 @@ std::vector<std::string> find_source_warnings(const Study& study, const Evidence
     warn_of_digests(warnings, evidence.artifact.finished, &SessionDigests::windows, sources.windows->digest,
                     "a windows.json");
   }
+  for (const ExperimentEvidence* experiment : {&evidence.artifact, &evidence.material}) {
+    if (sources.protocol)
+      warn_of_digests(warnings, experiment->finished, &SessionDigests::protocol, *sources.protocol,
+                      "a session.json");
+  }
   warn_of_selection(warnings, evidence, sources.selection);
   if (sources.windows) warn_of_placeholders(warnings, *sources.windows);
   return warnings;
@@ -226,6 +241,7 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   warn_of_left_out(report, report.evidence.artifact, Experiment::kArtifact);
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
   warn_of_withdrawn(report);
+  warn_of_protocols(report);
   return report;
 }
 

@@ -66,6 +66,7 @@ struct ReportSources {
   std::optional<Windows> windows;
   std::optional<Manifest> manifest;
   std::vector<ConvergenceExhibit> convergences = {};
+  std::optional<std::string> protocol = {};  ///< digest of the folder's session.json; empty: there is none
 };
 
 /// What a reader should know of the answers beside these sources: sessions made from others, placeholders.

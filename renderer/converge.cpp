@@ -26,7 +26,7 @@ struct Ladder {
   std::vector<std::pair<std::string, LightSetting>> rungs;
 };
 
-Truth trace_truth(const Laboratory& lab) {
+ReferenceTruth trace_truth(const Laboratory& lab) {
   const ConvergeParams& params = lab.params;
   const PathMaps maps =
       make_fixed_maps(lab.primary, {params.reference_paths, kDirectPaths, kBackgroundPaths});
@@ -169,7 +169,7 @@ void add_times(std::map<std::string, double>& sum, const std::map<std::string, d
   for (const auto& [stage, seconds] : more) sum[stage] += seconds / seeds;
 }
 
-ConvergencePoint measure_point(const Laboratory& lab, const Truth& truth, const LitScene& scene,
+ConvergencePoint measure_point(const Laboratory& lab, const ReferenceTruth& truth, const LitScene& scene,
                                ConvergencePoint point, const LightSetting& setting) {
   std::vector<RunError> runs;
   for (int run = 0; run < lab.params.seeds; ++run) {
@@ -182,7 +182,7 @@ ConvergencePoint measure_point(const Laboratory& lab, const Truth& truth, const 
   return point;
 }
 
-std::vector<ConvergencePoint> climb(const Laboratory& lab, const Truth& truth, const LitScene& scene,
+std::vector<ConvergencePoint> climb(const Laboratory& lab, const ReferenceTruth& truth, const LitScene& scene,
                                     const Ladder& ladder, Progress& progress) {
   std::vector<ConvergencePoint> points;
   double seconds = 0, work_done = 1;
@@ -200,7 +200,8 @@ std::vector<ConvergencePoint> climb(const Laboratory& lab, const Truth& truth, c
   return points;
 }
 
-std::vector<ConvergencePoint> climb_all(const Laboratory& lab, const Truth& truth, const LitScene& scene) {
+std::vector<ConvergencePoint> climb_all(const Laboratory& lab, const ReferenceTruth& truth,
+                                        const LitScene& scene) {
   const std::vector<Ladder> ladders = make_ladders(lab);
   double work = 0;
   for (const Ladder& ladder : ladders) {
@@ -255,7 +256,7 @@ ConvergenceAdvice find_advice(const Convergence& convergence, double seconds) {
 Convergence measure_convergence(const Scene& scene, const ConvergeParams& params) {
   EQ_CHECK(params.seeds >= 2, params.seeds);
   const Laboratory lab(scene, params);
-  const Truth truth = trace_truth(lab);
+  const ReferenceTruth truth = trace_truth(lab);
   const LitScene lit = lab.lit(find_radiance_of_step(truth.layers().tone.record, 0.25));
   Convergence made;
   made.source = params.source;

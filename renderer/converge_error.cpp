@@ -45,7 +45,7 @@ double half_width(double error, std::size_t runs, double error_of_mean) {
 
 }  // namespace
 
-Truth::Truth(TruthLayers layers, const std::string& name) : layers_(std::move(layers)) {
+ReferenceTruth::ReferenceTruth(TruthLayers layers, const std::string& name) : layers_(std::move(layers)) {
   for (std::size_t i = 0; i < layers_.coverage.pixel_count(); ++i) {
     if (layers_.coverage.values[i] > 0) pixels_.push_back(i);
   }
@@ -67,7 +67,7 @@ Truth::Truth(TruthLayers layers, const std::string& name) : layers_(std::move(la
                               layers_.tone);
 }
 
-RunError Truth::compare(const HdrImage& indirect) const {
+RunError ReferenceTruth::compare(const HdrImage& indirect) const {
   const HdrImage &reference = layers_.indirect.mean, &error = layers_.indirect.standard_error;
   const auto difference = [&](std::size_t i) { return double{indirect.values[i]} - reference.values[i]; };
   const auto known = [&](std::size_t i) { return square(difference(i)) - square(error.values[i]); };

@@ -23,10 +23,10 @@ struct RunError {
   double flip = 0, share_over_one_step = 0;
 };
 
-class Truth {
+class ReferenceTruth {
  public:
   /// errors: InputError if the object is not seen, or black
-  Truth(TruthLayers layers, const std::string& name);
+  ReferenceTruth(TruthLayers layers, const std::string& name);
 
   const TruthLayers& layers() const { return layers_; }
   std::size_t object_pixels() const { return pixels_.size(); }

@@ -36,6 +36,7 @@ struct Laboratory {
 };
 
 /// What each cause does by itself to the condition's own picture, and all of them together.
-std::vector<ErrorPart> measure_parts(const Laboratory& lab, const Truth& truth, const LitScene& scene);
+std::vector<ErrorPart> measure_parts(const Laboratory& lab, const ReferenceTruth& truth,
+                                     const LitScene& scene);
 
 }  // namespace equilux

@@ -22,7 +22,7 @@ struct LayerSummary {
   double square = 0, variance = 0, bias = 0, bias_error = 0;
 };
 
-LayerSummary summarise_layer(const Truth& truth, const TracedLayer& layer) {
+LayerSummary summarise_layer(const ReferenceTruth& truth, const TracedLayer& layer) {
   const auto squared = [](double x) { return x * x; };
   LayerSummary summary;
   summary.square = truth.average([&](std::size_t i) { return squared(layer.mean.values[i]); }, 2);
@@ -79,7 +79,7 @@ struct Moments {
 };
 
 // Of layers that differ by their seeds.
-Moments take_moments(const Truth& truth, const std::vector<HdrImage>& layers) {
+Moments take_moments(const ReferenceTruth& truth, const std::vector<HdrImage>& layers) {
   const auto count = static_cast<double>(layers.size());
   Moments moments;
   std::vector<double> means;
@@ -95,7 +95,7 @@ Moments take_moments(const Truth& truth, const std::vector<HdrImage>& layers) {
   return moments;
 }
 
-ErrorPart measure_sampling(const Laboratory& lab, const Truth& truth, const SetRuns& runs,
+ErrorPart measure_sampling(const Laboratory& lab, const ReferenceTruth& truth, const SetRuns& runs,
                            const TracedLayer& returned) {
   HdrImage mean(lab.primary.width, lab.primary.height);
   const auto count = static_cast<float>(runs.fine.size());
@@ -117,7 +117,7 @@ ErrorPart measure_sampling(const Laboratory& lab, const Truth& truth, const SetR
       std::hypot(unbiased.bias_error, truth.error_of_mean(), summarise_layer(truth, returned).bias_error)};
 }
 
-ErrorPart measure_cuts(const Truth& truth, const SetRuns& runs) {
+ErrorPart measure_cuts(const ReferenceTruth& truth, const SetRuns& runs) {
   std::vector<HdrImage> differences;
   for (std::size_t i = 0; i < runs.cut.size(); ++i)
     differences.push_back(make_difference(runs.cut[i], runs.fine[i]));
@@ -127,7 +127,8 @@ ErrorPart measure_cuts(const Truth& truth, const SetRuns& runs) {
 }
 
 // What a layer takes from the light: known by paths, so that its noise is subtracted.
-ErrorPart measure_taken(const Truth& truth, const TracedLayer& taken, const char* name, std::string by) {
+ErrorPart measure_taken(const ReferenceTruth& truth, const TracedLayer& taken, const char* name,
+                        std::string by) {
   const LayerSummary summary = summarise_layer(truth, taken);
   return {name, std::move(by), std::sqrt(std::max(0.0, summary.square - summary.variance)), -summary.bias,
           summary.bias_error};
@@ -135,7 +136,8 @@ ErrorPart measure_taken(const Truth& truth, const TracedLayer& taken, const char
 
 }  // namespace
 
-std::vector<ErrorPart> measure_parts(const Laboratory& lab, const Truth& truth, const LitScene& scene) {
+std::vector<ErrorPart> measure_parts(const Laboratory& lab, const ReferenceTruth& truth,
+                                     const LitScene& scene) {
   const double unclamped = std::numeric_limits<double>::infinity();
   const auto trace = [&](int paths, std::vector<double> clamps, bool clamped_alone) {
     CompensationParams params;

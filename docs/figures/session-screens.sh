@@ -9,11 +9,12 @@ folder=$work/pocket
 cp -r "$study" "$folder"
 rm -rf "$folder"/responses* "$folder"/selection* "$folder"/report
 
-export DISPLAY=:94 LIBGL_ALWAYS_SOFTWARE=1
-Xvfb $DISPLAY -screen 0 1280x1024x24 2>/dev/null &
+Xvfb -displayfd 3 -screen 0 1280x1024x24 3>"$work/display" 2>/dev/null &
 server=$!
 trap 'kill $server; rm -rf "$work"' EXIT
 sleep 2
+DISPLAY=:$(cat "$work/display")
+export DISPLAY LIBGL_ALWAYS_SOFTWARE=1
 
 shoot() { sleep 1.2; import -window root "$work/$1.png"; }
 press() { for key in "$@"; do sleep .6; xdotool key "$key"; done; }
@@ -65,11 +66,11 @@ press Return; sleep 1
 # What stops a session: a picture that was changed.
 victim=$(find "$folder/pictures" -name '*C3-v0.png' | sort | head -1)
 cp "$victim" "$work/kept.png" && printf x >>"$victim"
-(cd "$work" && "$bin/equilux-session" run pocket >/dev/null 2>&1) &
+(cd "$work" && exec "$bin/equilux-session" run pocket >/dev/null 2>&1) &
+refused=$!
 sleep 3
 press F1 F3 Return; shoot error
-xdotool key --clearmodifiers alt+F4 || true
-pkill -f "equilux-session run pocket" || true
+kill $refused
 cp "$work/kept.png" "$victim"
 
 # The workspace.

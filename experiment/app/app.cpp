@@ -42,20 +42,26 @@ std::string draw_free_code(const std::filesystem::path& study_folder) {
   return draw_code(taken);
 }
 
-// Of a person, begun and not finished: the one of these that was begun last.
+// A person's session that was neither finished nor ended on purpose: the one of these that was seen last.
 std::optional<SessionRow> find_interrupted(const std::filesystem::path& study_folder) {
   const StudyFolder folder{study_folder};
   if (!std::filesystem::exists(folder.responses())) return std::nullopt;
+  const TrialLog log = TrialLog::load_snapshot(folder.responses());
   std::optional<SessionRow> last;
-  for (const SessionRow& row : TrialLog::load_snapshot(folder.responses()).load_sessions()) {
-    if (row.kind == SubjectKind::kPerson && !row.complete && (!last || row.started_utc >= last->started_utc))
-      last = row;
+  std::string last_seen_utc;
+  for (const SessionRow& row : log.load_sessions()) {
+    if (row.kind != SubjectKind::kPerson || row.complete) continue;
+    const auto events = log.load_events(row.id);
+    const std::string seen_utc = events.empty() ? row.started_utc : events.back().recorded_utc;
+    if (find_abort_reason(events) || (last && seen_utc < last_seen_utc)) continue;
+    last = row;
+    last_seen_utc = seen_utc;
   }
   return last;
 }
 
 void fill_in_interrupted(StartForm& form) {
-  const auto row = find_interrupted(form.folder.data());
+  const auto row = find_interrupted(read_folder(form));
   if (!row) throw InputError("Participant code", "", "a session that was interrupted", "none in this folder");
   set_participant(form, row->participant);
   set_experiment(form, row->experiment);
@@ -82,7 +88,7 @@ bool draw_start_frame(AppWindow& window, Gui& gui, StartForm& form) {
 // A code drawn or looked up. An error stays on the screen until the next try.
 void fill_in(StartForm& form, Key key) {
   try {
-    key == Key::kF3 ? set_participant(form, draw_free_code(form.folder.data())) : fill_in_interrupted(form);
+    key == Key::kF3 ? set_participant(form, draw_free_code(read_folder(form))) : fill_in_interrupted(form);
     form.error.clear();
   } catch (const std::exception& error) {
     form.error = error.what();
@@ -99,9 +105,12 @@ struct StartInput {
 void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
   while (!input.is_submitted && !input.waiting.empty()) {
     InputEvent event = input.waiting.front();
+    const bool fills_in =
+        event.kind == InputKind::kKeyPress && (event.key == Key::kF3 || event.key == Key::kF4);
+    if (fills_in && gui.has_events()) return;  // what was typed before it comes first
     input.waiting.pop_front();
     gui.take({event});
-    if (event.kind == InputKind::kKeyPress && (event.key == Key::kF3 || event.key == Key::kF4)) {
+    if (fills_in) {
       gui.leave_field();
       fill_in(form, event.key);
     }

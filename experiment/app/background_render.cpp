@@ -42,8 +42,10 @@ BackgroundRender::~BackgroundRender() {
 }
 
 void BackgroundRender::start(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
-  poll();  // a process that has just ended is in nobody's way
-  if (state_ == RenderState::kRunning || state_ == RenderState::kPaused) return;
+  if (state_ == RenderState::kRunning || state_ == RenderState::kPaused) {
+    if (is_cancelled_) wanted_.emplace(study_file, folder);
+    return;
+  }
   const std::string program = find_program(), study = study_file, root = folder;
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0)
@@ -76,6 +78,7 @@ void BackgroundRender::resume() {
 void BackgroundRender::cancel() {
   if (state_ != RenderState::kRunning && state_ != RenderState::kPaused) return;
   is_cancelled_ = true;
+  wanted_.reset();
   ::kill(-pid_, SIGTERM);
   ::kill(-pid_, SIGCONT);
 }
@@ -104,6 +107,7 @@ RenderState BackgroundRender::poll() {
   const bool is_done = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 127) line_ = "equilux-render is not beside this program";
   state_ = is_done ? RenderState::kDone : is_cancelled_ ? RenderState::kCancelled : RenderState::kFailed;
+  if (const auto wanted = std::exchange(wanted_, std::nullopt)) start(wanted->first, wanted->second);
   return state_;
 }
 

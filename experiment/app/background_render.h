@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <sys/types.h>
+#include <utility>
 
 namespace equilux {
 
@@ -18,7 +20,8 @@ class BackgroundRender {
   BackgroundRender(const BackgroundRender&) = delete;
   BackgroundRender& operator=(const BackgroundRender&) = delete;
 
-  /// errors: StoreError if the program cannot be started
+  /// While one that was cancelled is still ending, begins after it. errors: StoreError if the program cannot
+  /// be started
   void start(const std::filesystem::path& study_file, const std::filesystem::path& folder);
   void pause();
   void resume();
@@ -36,6 +39,7 @@ class BackgroundRender {
   pid_t pid_ = -1;
   int output_ = -1;
   bool is_cancelled_ = false;
+  std::optional<std::pair<std::filesystem::path, std::filesystem::path>> wanted_;  ///< study, folder
   std::string partial_;
   std::string line_;
 };

@@ -129,7 +129,12 @@ class Browser {
   }
 
   void refresh() {
-    view_ = read_folder(folder_, kind_);
+    try {
+      view_ = read_folder(folder_, kind_);
+      message_.clear();
+    } catch (const std::exception& error) {
+      message_ = error.what();
+    }
     forget_pictures();
   }
 
@@ -237,9 +242,24 @@ class Browser {
   void press_on_results(int code) {
     if (results_.press(code)) return;
     if (code == GLFW_KEY_G || code == GLFW_KEY_BACKSPACE) return show_results(false);
-    if (code != GLFW_KEY_K) return;
-    press_letter(code);
-    results_.read(kind_);
+    if (code == GLFW_KEY_K) change_kind();
+    if (code == GLFW_KEY_K || code == GLFW_KEY_F5) results_.read(kind_);
+    if (code == GLFW_KEY_F5) read_answers();
+  }
+
+  void change_kind() {
+    kind_ = kind_ == SubjectKind::kPerson ? SubjectKind::kPlanted : SubjectKind::kPerson;
+    read_answers();
+  }
+
+  // A log that cannot be read ends no rendering.
+  void read_answers() {
+    try {
+      read_coverage(folder_, kind_, view_);
+      message_.clear();
+    } catch (const std::exception& error) {
+      message_ = error.what();
+    }
   }
 
   void press_letter(int code) {
@@ -255,8 +275,7 @@ class Browser {
       case GLFW_KEY_S:
         return shift(-1);
       case GLFW_KEY_K:
-        kind_ = kind_ == SubjectKind::kPerson ? SubjectKind::kPlanted : SubjectKind::kPerson;
-        return read_coverage(folder_, kind_, view_);
+        return change_kind();
       case GLFW_KEY_F5:
         return refresh();
       case GLFW_KEY_R:

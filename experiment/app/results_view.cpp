@@ -16,6 +16,7 @@ namespace {
 
 constexpr float kMargin = 24, kCellWidth = 40, kCellHeight = 18, kAxis = 34, kHead = 24, kFoot = 46,
                 kGap = 14;
+constexpr float kScroll = 80;
 constexpr float kDot = 3.5F, kSmall = 15, kDotInset = 6;
 constexpr ImU32 kInk = IM_COL32(0, 0, 0, 255), kPaper = IM_COL32(255, 255, 255, 255);
 
@@ -153,8 +154,17 @@ bool ResultsView::press(int code) {
     case GLFW_KEY_PAGE_DOWN:
       illumination_ = (illumination_ + 1) % illuminations_.size();
       return true;
-    case GLFW_KEY_F5:
-      read(kind_);
+    case GLFW_KEY_UP:
+      scroll_y_ -= kScroll;
+      return true;
+    case GLFW_KEY_DOWN:
+      scroll_y_ += kScroll;
+      return true;
+    case GLFW_KEY_LEFT:
+      scroll_x_ -= kScroll;
+      return true;
+    case GLFW_KEY_RIGHT:
+      scroll_x_ += kScroll;
       return true;
     default:
       return false;
@@ -169,7 +179,8 @@ std::vector<std::string> ResultsView::list_lines() const {
           "Only finished ones count.",
           study_.name, format_illumination(illuminations_[illumination_]), format_kind(kind_),
           describe(interim_.artifact), describe(interim_.material)),
-      fmt::format("Rule {} (U: the other one). K: {} subjects. F5 reads anew.{} G or Backspace: back to the "
+      fmt::format("Rule {} (U: the other one). K: {} subjects. F5 reads anew; arrows scroll.{} G or "
+                  "Backspace: back to the "
                   "pictures.",
                   format_rule(rule_), is_person ? "planted" : "person",
                   illuminations_.size() > 1 ? " PageUp, PageDown: the other light." : ""),
@@ -238,7 +249,7 @@ void ResultsView::draw_graphs() const {
   ImGui::Dummy(ImVec2(right - origin.x, y - origin.y));
 }
 
-void ResultsView::draw(AppWindow& window, const Gui& gui) const {
+void ResultsView::draw(AppWindow& window, const Gui& gui) {
   const Size size = window.framebuffer();
   ImGui::PushFont(gui.text_font());
   ImGui::SetNextWindowPos(ImVec2(kMargin, kMargin));
@@ -246,10 +257,13 @@ void ResultsView::draw(AppWindow& window, const Gui& gui) const {
       ImVec2(static_cast<float>(size.width) - 2 * kMargin, static_cast<float>(size.height) - 2 * kMargin));
   ImGui::Begin("results", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings);
+                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
   for (const std::string& line : list_lines()) ImGui::TextWrapped("%s", line.c_str());
-  ImGui::BeginChild("graphs", ImVec2(0, 0), false,
-                    ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_HorizontalScrollbar);
+  ImGui::BeginChild(
+      "graphs", ImVec2(0, 0), false,
+      ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_HorizontalScrollbar | ImGuiWindowFlags_NoNav);
+  ImGui::SetScrollX(ImGui::GetScrollX() + std::exchange(scroll_x_, 0.0F));
+  ImGui::SetScrollY(ImGui::GetScrollY() + std::exchange(scroll_y_, 0.0F));
   draw_table();
   ImGui::Dummy(ImVec2(0, kGap));
   draw_graphs();

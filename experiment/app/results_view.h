@@ -18,7 +18,7 @@ class ResultsView {
   void read(SubjectKind kind);
   /// A key's GLFW code. False for one that this screen does not know.
   bool press(int code);
-  void draw(AppWindow& window, const Gui& gui) const;
+  void draw(AppWindow& window, const Gui& gui);
 
  private:
   void draw_table() const;
@@ -36,6 +36,7 @@ class ResultsView {
   Rule rule_ = Rule::kPaper;
   InterimFindings interim_;
   std::string message_;
+  float scroll_x_ = 0, scroll_y_ = 0;  ///< by keys, since the last frame
 };
 
 }  // namespace equilux

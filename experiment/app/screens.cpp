@@ -143,6 +143,8 @@ AppParams read_start_form(const StartForm& form, const AppParams& params) {
   return chosen;
 }
 
+std::string read_folder(const StartForm& form) { return read_text(form.folder); }
+
 void set_participant(StartForm& form, const std::string& code) { copy_text(form.participant, code); }
 
 void set_experiment(StartForm& form, Experiment experiment) {

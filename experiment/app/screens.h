@@ -30,6 +30,8 @@ StartForm make_start_form(const AppParams& params);
 /// The parameters with what was typed. errors: InputError naming the first field that is empty.
 AppParams read_start_form(const StartForm& form, const AppParams& params);
 
+/// What is typed as the study folder, without blanks around it.
+std::string read_folder(const StartForm& form);
 void set_participant(StartForm& form, const std::string& code);
 void set_experiment(StartForm& form, Experiment experiment);
 

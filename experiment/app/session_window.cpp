@@ -112,6 +112,7 @@ void SessionWindow::carry_out(const SessionEffect& effect) {
   }
   record_effect(seat_->log, seat_->open.row.id, effect);
   if (const auto* note = std::get_if<RecordNote>(&effect)) ++seat_->notes[note->kind];
+  if (std::holds_alternative<RecordAbort>(effect)) ++seat_->notes["abort"];
 }
 
 void SessionWindow::show(int trial) {

@@ -13,6 +13,8 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "experiment/simulate.h"
+#include "experiment/withdraw.h"
+#include "protocols/session_protocol.h"
 #include "tests/analysis/columns.h"
 #include "tests/experiment/fake_trials.h"
 #include "tests/support/temp_folder.h"
@@ -140,6 +142,71 @@ TEST_F(Folders, say_nothing_before_the_first_answer_and_refuse_answers_of_anothe
   EXPECT_THROW(load_interim(folder, study, SubjectKind::kPlanted), InputError);
   fs::remove(folder.responses());
   EXPECT_EQ(load_interim(folder, study, SubjectKind::kPlanted).artifact.finished, 0);
+}
+
+// A person's artifact session: four cells, all right, and four catch trials of which two are right.
+SessionRow make_person(std::int64_t index, const Study& study, const std::string& protocol) {
+  SessionRow row = make_fake_session(index, SubjectKind::kPerson, Experiment::kArtifact);
+  row.digests.study = study.digest;
+  row.digests.protocol = protocol;
+  return row;
+}
+
+std::vector<TrialRow> make_person_trials(const Study& study, int answered) {
+  const auto cells = enumerate_cells(study);
+  std::vector<TrialRow> trials = make_fake_trials(8);
+  for (TrialRow& trial : trials) {
+    trial.cell = cells.at(static_cast<std::size_t>(trial.number));
+    trial.phase = trial.number < 4 ? Phase::kMain : Phase::kCatch;
+    if (trial.number >= answered) continue;
+    const bool is_left = (trial.test_side == Side::kLeft) == (trial.number < 6);
+    trial.answer = is_left ? Side::kLeft : Side::kRight;
+    trial.response_time_ns = 1'000'000'000;
+    trial.answered_utc = "2026-01-31T12:00:00.000Z";
+  }
+  return trials;
+}
+
+// Folder b, whose session.json asks for two right of four catch trials.
+TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and_why) {
+  const StudyFolder folder{temporary_ / "b"};
+  save_text(folder.session(), R"({"schema": "equilux-session", "schema_version": 1,
+                                  "catch_trials": {"count": 4, "pass": 2}})");
+  const std::string own = load_session_protocol(folder.session()).digest;
+  const Study study = load_folder_study(folder);
+  {
+    TrialLog log(folder.responses());
+    log.finish_session(log.append_session(make_person(0, study, own), make_person_trials(study, 8)), 1);
+    log.finish_session(log.append_session(make_person(1, study, "other"), make_person_trials(study, 8)), 1);
+    const auto ended = log.append_session(make_person(2, study, own), make_person_trials(study, 3));
+    log.append_event(ended, "abort", 1, "felt ill");
+    log.append_session(make_person(3, study, own), make_person_trials(study, 3));
+    log.finish_session(log.append_session(make_person(4, study, own), make_person_trials(study, 8)), 1);
+  }
+  withdraw_participant(folder.responses(), "P4");
+  AnalyzeParams params = make_params({folder.root}, {});
+  params.kind = SubjectKind::kPerson;
+  const Report report = load_reports(params)[0];
+  const auto& sessions = report.artifact_subjects.sessions;
+  ASSERT_EQ(sessions.size(), 4U);
+  EXPECT_EQ(sessions[0].summary.caught, (Count{2, 4}));
+  EXPECT_EQ(sessions[0].summary.catch_pass, 2);
+  EXPECT_TRUE(sessions[0].marks.empty());
+  EXPECT_FALSE(sessions[1].summary.catch_pass) << "its protocol is not the folder's";
+  EXPECT_EQ(sessions[1].marks, std::vector<SubjectMark>{SubjectMark::kCatch});
+  EXPECT_EQ(sessions[2].summary.abort_reason, "felt ill");
+  EXPECT_FALSE(sessions[3].summary.abort_reason) << "it was not ended, it waits";
+  EXPECT_EQ(report.evidence.artifact.answers.size(), 8U);
+  EXPECT_EQ(report.evidence.artifact.unfinished, 2);
+  EXPECT_EQ(report.evidence.withdrawn, 1);
+  std::string warnings;
+  for (const std::string& warning : report.warnings) warnings += warning + "\n";
+  for (const char* part : {"Withdrawals that the logs record: 1", "followed 2 session protocols",
+                           "a session.json other than the one in the folder"})
+    EXPECT_NE(warnings.find(part), std::string::npos) << part << " in\n" << warnings;
+  const std::string page = format_page({report});
+  EXPECT_NE(page.find("ended early (felt ill), left out"), std::string::npos);
+  EXPECT_NE(page.find("2 of 4, 2 asked"), std::string::npos);
 }
 
 TEST_F(Folders, give_the_same_bytes_in_any_order) {

@@ -55,7 +55,7 @@ HdrImage make_picture_with(const TruthLayers& layers, double mean, double noise,
 // noise is as large as 5 %.
 TEST(ConvergeError, IsThatOfThePictureNotOfTheReference) {
   RandomStream random(1, "converge-error", 0);
-  const Truth truth(make_layers(0.05, random), "test");
+  const ReferenceTruth truth(make_layers(0.05, random), "test");
   EXPECT_NEAR(truth.rms_of_error(), 0.05, 1e-3);
   EXPECT_EQ(truth.object_pixels(), 600u);
   std::vector<RunError> runs;
@@ -71,7 +71,7 @@ TEST(ConvergeError, IsThatOfThePictureNotOfTheReference) {
 
 TEST(ConvergeError, OfTheReferenceItselfIsNothing) {
   RandomStream random(2, "converge-error", 0);
-  const Truth truth(make_layers(0, random), "test");
+  const ReferenceTruth truth(make_layers(0, random), "test");
   const RunError run = truth.compare(truth.layers().indirect.mean);
   EXPECT_EQ(run.square, 0);
   EXPECT_EQ(run.bias, 0);
@@ -81,7 +81,7 @@ TEST(ConvergeError, OfTheReferenceItselfIsNothing) {
 
 TEST(ConvergeError, CountsPixelsThatAreShownOtherwise) {
   RandomStream random(3, "converge-error", 0);
-  const Truth truth(make_layers(0, random), "test");
+  const ReferenceTruth truth(make_layers(0, random), "test");
   HdrImage picture = truth.layers().indirect.mean;
   for (std::size_t i = 0; i < picture.pixel_count(); i += 40) picture.pixel(i)[1] *= 0.5f;
   const RunError run = truth.compare(picture);
@@ -234,8 +234,8 @@ TEST(ConvergeError, NeedsAnObjectThatIsSeenAndLit) {
   TruthLayers unseen = make_layers(0, random), black = make_layers(0, random);
   unseen.coverage = HdrImage(40, 30, 1);
   black.indirect.mean = HdrImage(40, 30);
-  EXPECT_THROW(Truth(std::move(unseen), "G0"), InputError);
-  EXPECT_THROW(Truth(std::move(black), "G0"), InputError);
+  EXPECT_THROW(ReferenceTruth(std::move(unseen), "G0"), InputError);
+  EXPECT_THROW(ReferenceTruth(std::move(black), "G0"), InputError);
 }
 
 // With the same seeds figures are the same; times are not.
