@@ -95,8 +95,8 @@ using SessionEffect =
 /// What the protocol says of a session's course.
 struct SessionRules {
   int familiar_pages = 0;
-  std::optional<int> break_every_trials;  ///< counted and catch trials
-  std::optional<std::int64_t> break_every_ns;
+  std::optional<int> break_every_trials = {};  ///< counted and catch trials
+  std::optional<std::int64_t> break_every_ns = {};
   std::int64_t least_response_ns = 0;  ///< faster answers are marked
 };
 

@@ -345,15 +345,16 @@ Sitting sit(int trials, double hz, std::int64_t response_ns, std::int64_t break_
     clock_ns += response_ns;
     const auto effects = advance(session, AnswerEvent{Side::kLeft, clock_ns});
     sitting.responses_ns.push_back(effect_at<RecordAnswer>(effects, 0).answer.response_time_ns);
-    if (session.screen == Screen::kTrial)
+    if (session.screen == Screen::kTrial) {
       EXPECT_EQ(effect_at<ShowTrial>(effects, effects.size() - 1).trial, session.current) << "at once";
+    }
   }
   return sitting;
 }
 
 class SessionAtRate : public testing::TestWithParam<double> {};
-INSTANTIATE_TEST_SUITE_P(Screens, SessionAtRate, testing::Values(0.0, 60.0, 144.0), [](const auto& info) {
-  return std::to_string(static_cast<int>(info.param)) + "Hz";
+INSTANTIATE_TEST_SUITE_P(Screens, SessionAtRate, testing::Values(0.0, 60.0, 144.0), [](const auto& rate) {
+  return std::to_string(static_cast<int>(rate.param)) + "Hz";
 });
 
 TEST_P(SessionAtRate, MeasuresThePressFromTheOnsetAndAsksForTheNextPairAtOnce) {
