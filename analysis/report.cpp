@@ -2,6 +2,7 @@
 #include "analysis/report.h"
 
 #include <algorithm>
+#include <future>
 #include <set>
 #include <tuple>
 
@@ -162,16 +163,20 @@ void add_uncertainty(Report& report) {
   const ResponseMatrix artifact = make_response_matrix(report.evidence.artifact.answers);
   const ResponseMatrix material = make_response_matrix(report.evidence.material.answers);
   const Selection* selection = report.selection ? &*report.selection : nullptr;
+  // Beside the rest, which is as long and reads other things.
+  std::future<Uncertainty> uncertainty = std::async(std::launch::async, [&] {
+    return find_uncertainty(report.study, report.findings, artifact, material, report.params);
+  });
   report.artifact_cells = find_cell_statistics(report.artifact);
   report.material_cells = find_cell_statistics(report.material);
-  report.uncertainty = find_uncertainty(report.study, report.findings, artifact, material, report.params);
   for (std::size_t i = 0; i < kOtherPercents.size(); ++i) {
     report.at_other_percents[i] =
         find_equivalence(report.study, report.artifact, report.material, selection, kOtherPercents[i]);
   }
-  report.trends = find_trends(report.study, report.findings, report.rule, report.uncertainty);
   report.artifact_subjects = report_subjects(report.evidence.artifact, artifact, report.params.seed);
   report.material_subjects = report_subjects(report.evidence.material, material, report.params.seed);
+  report.uncertainty = uncertainty.get();
+  report.trends = find_trends(report.study, report.findings, report.rule, report.uncertainty);
   report.flipped_without_marked = find_flipped_without_marked(report);
 }
 
