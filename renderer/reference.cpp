@@ -107,6 +107,11 @@ double find_scale(const std::vector<double>& noise, const PathMap& map, double t
   return high;
 }
 
+// In a map, of a batch and position.
+std::uint32_t find_most_paths(const Primary& primary) {
+  return static_cast<std::uint32_t>(kMostPathsAPixel / (kBatches * primary.positions));
+}
+
 double count_background(const Primary& primary, const PathMap& map) {
   return count_paths(primary, {map, make_no_paths(map), make_no_paths(map)});
 }
@@ -191,7 +196,7 @@ BackgroundPlan plan_background(const World& world, const Primary& primary, const
   const HdrImage coverage = make_coverage(primary);
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
   look_again(world, primary, pilot, coverage, params, progress, map);
-  const auto most = static_cast<std::uint32_t>(kMostPathsAPixel / (kBatches * primary.positions));
+  const std::uint32_t most = find_most_paths(primary);
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (coverage.values[i] > 0) map[i] = std::min(map[i] * kSilhouetteMargin, most);
   }
@@ -325,8 +330,9 @@ void exchange_room(FamilyLayers& layers, const TracedLayer& before, const Traced
 TracedLayer trace_room_again(const FamilyScene& scene, const BackgroundPlan& plan, double scale,
                              const ReferenceParams& params, int turn, const FamilyProgress& progress) {
   BackgroundPlan more = plan;
+  const std::uint32_t most = find_most_paths(scene.primary);
   for (std::uint32_t& paths : more.map) {
-    if (paths > 0) paths = scale_paths(paths, scale);
+    if (paths > 0) paths = std::max(paths, std::min(scale_paths(paths, scale), most));
   }
   ReferenceParams again = params;
   again.background_stream_name = fmt::format("{}.room-turn-{}", params.stream_name, turn);

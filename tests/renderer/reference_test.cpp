@@ -152,7 +152,7 @@ TEST(Reference, OfManyPixelsErrsInTheRoomByHardlyLessThanIsAsked) {
   const NoiseTarget target{8, 30, 6};
   const DisplayNoise noise = stage.noise(stage.trace(adaptive(target, 1)));
   EXPECT_LE(noise.outside_mean, target.outside_mean);
-  EXPECT_GT(noise.outside_mean, .89 * target.outside_mean) << noise.outside_mean;
+  EXPECT_GT(noise.outside_mean, .92 * target.outside_mean) << noise.outside_mean;
 }
 
 // Twelve seeds, a 99th percentile that is hardly foreseen: some miss it and are made again, all meet it.
