@@ -13,6 +13,7 @@
 #include "base/program.h"
 #include "experiment/app/app.h"
 #include "experiment/app/background_render.h"
+#include "experiment/app/folder_view.h"
 #include "experiment/app/gui.h"
 #include "experiment/app/pages.h"
 #include "experiment/app/pictures.h"
@@ -27,57 +28,14 @@ namespace {
 constexpr double kPatienceS = 0.1;
 constexpr int kThumbnailWidth = 140;
 constexpr int kDifferenceGain = 4;
-constexpr float kMargin = 24, kRowLabel = 60, kGap = 6, kCountHeight = 20;
+constexpr float kRowLabel = 60, kGap = 6, kCountHeight = 20;
 constexpr Size kLeastWindow{960, 760};
-
-// What is read from the folder, anew whenever it may have changed.
-struct FolderView {
-  Study study;
-  std::optional<Manifest> manifest;
-  Holding holding;
-  std::optional<Windows> windows;
-  Coverage artifact, material;
-};
-
-void read_coverage(const StudyFolder& folder, SubjectKind kind, FolderView& view) {
-  view.artifact.clear();
-  view.material.clear();
-  if (!path_exists(folder.responses())) return;
-  const TrialLog log = TrialLog::load_snapshot(folder.responses());
-  view.artifact = tally_coverage(log.load_answers(kind, Experiment::kArtifact));
-  view.material = tally_coverage(log.load_answers(kind, Experiment::kMaterial));
-}
-
-FolderView read_folder(const StudyFolder& folder, SubjectKind kind) {
-  FolderView view{load_folder_study(folder), {}, {}, {}, {}, {}};
-  if (path_exists(folder.manifest())) view.manifest = load_manifest(folder.manifest());
-  view.holding = find_holding(view.study, view.manifest);
-  if (path_exists(folder.windows())) view.windows = load_windows(folder.windows(), view.study);
-  read_coverage(folder, kind, view);
-  return view;
-}
 
 // A place in the grid.
 struct Place {
   std::size_t object = 0, count = 0, level = 0;
   int view = 0;
 };
-
-std::vector<std::int64_t> list_counts(const Study& study, const Object& object) {
-  std::vector<std::int64_t> counts;
-  for (const Column& column : enumerate_columns(study)) {
-    if (column.object == object) counts.push_back(column.vpl_count);
-  }
-  return counts;
-}
-
-std::string describe_count(const Coverage& coverage, const Cell& cell, const char* name) {
-  const auto found = coverage.find(cell);
-  if (found == coverage.end()) return "";
-  const CellCount& count = found->second;
-  return fmt::format("{} {}/{}{}", name, count.right, count.answered,
-                     4 * count.right >= 3 * count.answered ? "!" : "");
-}
 
 class Browser {
  public:
@@ -86,7 +44,7 @@ class Browser {
         folder_{params.study_folder},
         window_(window),
         gui_(gui),
-        view_(read_folder(folder_, kind_)),
+        view_(read_folder_view(folder_, kind_)),
         results_(folder_, view_.study) {
     objects_ = enumerate_objects(view_.study);
   }
@@ -130,7 +88,7 @@ class Browser {
 
   void refresh() {
     try {
-      view_ = read_folder(folder_, kind_);
+      view_ = read_folder_view(folder_, kind_);
       message_.clear();
     } catch (const std::exception& error) {
       message_ = error.what();
@@ -340,25 +298,17 @@ class Browser {
   void draw_grid() {
     window_.clear();
     gui_.begin_frame();
-    const Size size = window_.framebuffer();
-    ImGui::PushFont(gui_.text_font());
-    ImGui::SetNextWindowPos(ImVec2(kMargin, kMargin));
-    ImGui::SetNextWindowSize(
-        ImVec2(static_cast<float>(size.width) - 2 * kMargin, static_cast<float>(size.height) - 2 * kMargin));
-    ImGui::Begin("grid", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoNav);
-    ImGui::PushTextWrapPos(0);
-    for (const std::string& line : list_lines()) ImGui::TextWrapped("%s", line.c_str());
-    ImGui::PopTextWrapPos();
+    lay_out_grid();
+    gui_.end_frame();
+    window_.swap();
+  }
+
+  void lay_out_grid() {
+    const FullPage page(gui_, window_.framebuffer());
+    for (const std::string& line : list_lines()) page.say(line);
     ImGui::BeginChild("cells", ImVec2(0, 0), false, ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav);
     lay_out_cells();
     ImGui::EndChild();
-    ImGui::End();
-    ImGui::PopFont();
-    gui_.end_frame();
-    window_.swap();
   }
 
   ImVec2 find_cell_size() const {

@@ -69,6 +69,23 @@ void Page::warn(const std::string& text) const {
 
 void Page::leave_space() const { ImGui::Spacing(); }
 
+FullPage::FullPage(const Gui& gui, Size framebuffer) {
+  ImGui::PushFont(gui.text_font());
+  ImGui::SetNextWindowPos(ImVec2(kPageMargin, kPageMargin));
+  ImGui::SetNextWindowSize(ImVec2(static_cast<float>(framebuffer.width) - 2 * kPageMargin,
+                                  static_cast<float>(framebuffer.height) - 2 * kPageMargin));
+  ImGui::Begin("full page", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
+}
+
+FullPage::~FullPage() {
+  ImGui::End();
+  ImGui::PopFont();
+}
+
+void FullPage::say(const std::string& line) const { ImGui::TextWrapped("%s", line.c_str()); }
+
 void draw_line(const Gui& gui, const Rectangle& place, const std::string& text) {
   ImFont* font = gui.text_font();
   const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6F, 0, text.c_str());

@@ -25,6 +25,17 @@ class Page {
   void leave_space() const;
 };
 
+/// All of the window but a margin, for lines and what is drawn below them; keys are the caller's.
+class FullPage {
+ public:
+  FullPage(const Gui& gui, Size framebuffer);
+  ~FullPage();
+  FullPage(const FullPage&) = delete;
+  FullPage& operator=(const FullPage&) = delete;
+
+  void say(const std::string& line) const;
+};
+
 /// One line in the middle of a rectangle, without a page.
 void draw_line(const Gui& gui, const Rectangle& place, const std::string& text);
 

@@ -10,12 +10,12 @@
 #include <utility>
 
 #include "base/error.h"
+#include "experiment/app/pages.h"
 
 namespace equilux {
 namespace {
 
-constexpr float kMargin = 24, kCellWidth = 40, kCellHeight = 18, kAxis = 34, kHead = 24, kFoot = 46,
-                kGap = 14;
+constexpr float kCellWidth = 40, kCellHeight = 18, kAxis = 34, kHead = 24, kFoot = 46, kGap = 14;
 constexpr float kScroll = 80;
 constexpr float kDot = 3.5F, kSmall = 15, kDotInset = 6;
 constexpr ImU32 kInk = IM_COL32(0, 0, 0, 255), kPaper = IM_COL32(255, 255, 255, 255);
@@ -250,15 +250,8 @@ void ResultsView::draw_graphs() const {
 }
 
 void ResultsView::draw(AppWindow& window, const Gui& gui) {
-  const Size size = window.framebuffer();
-  ImGui::PushFont(gui.text_font());
-  ImGui::SetNextWindowPos(ImVec2(kMargin, kMargin));
-  ImGui::SetNextWindowSize(
-      ImVec2(static_cast<float>(size.width) - 2 * kMargin, static_cast<float>(size.height) - 2 * kMargin));
-  ImGui::Begin("results", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
-  for (const std::string& line : list_lines()) ImGui::TextWrapped("%s", line.c_str());
+  const FullPage page(gui, window.framebuffer());
+  for (const std::string& line : list_lines()) page.say(line);
   ImGui::BeginChild(
       "graphs", ImVec2(0, 0), false,
       ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_HorizontalScrollbar | ImGuiWindowFlags_NoNav);
@@ -268,8 +261,6 @@ void ResultsView::draw(AppWindow& window, const Gui& gui) {
   ImGui::Dummy(ImVec2(0, kGap));
   draw_graphs();
   ImGui::EndChild();
-  ImGui::End();
-  ImGui::PopFont();
 }
 
 }  // namespace equilux
