@@ -11,7 +11,7 @@
 namespace equilux {
 namespace {
 
-constexpr double kLongestQuiet = 300;  // s
+constexpr double kShortestQuiet = 0.2, kLongestQuiet = 300;  // s
 
 }  // namespace
 
@@ -23,15 +23,16 @@ std::string format_seconds(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
-Progress::Progress(std::string label, double total)
+Progress::Progress(std::string label, double total, JobControl* control)
     : label_(std::move(label)),
       total_(total),
+      control_(control),
       is_terminal_(::isatty(STDERR_FILENO) != 0),
       exceptions_(std::uncaught_exceptions()),
       start_(std::chrono::steady_clock::now()) {}
 
 Progress::~Progress() {
-  if (!printed_) return;
+  if (!printed_ || control_) return;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (is_terminal_) std::fputs("\r\033[K", stderr);
   const bool is_stopped = std::uncaught_exceptions() > exceptions_;
@@ -40,20 +41,24 @@ Progress::~Progress() {
 }
 
 void Progress::advance(double work) {
+  if (control_) control_->check();
   const std::lock_guard lock(mutex_);
   done_ += work;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   const double share = total_ > 0 ? done_ / total_ : 1;
+  if (share >= 1 || !is_due(seconds, share)) return;
+  control_ ? control_->tell(format_line(seconds)) : print(format_line(seconds));
+  printed_ = true;
+  last_print_s_ = seconds;
+  last_share_ = share;
+}
+
+bool Progress::is_due(double seconds, double share) const {
   const double quiet = seconds - last_print_s_;
-  const bool due = is_terminal_
-                       ? quiet > 0.2
-                       : quiet > kLongestQuiet || (quiet > 10 && (share - last_share_ > 0.1 || !printed_));
-  const bool first = !printed_ && seconds > 2;
-  if ((first || (printed_ && due)) && share < 1) {
-    print(seconds);
-    last_print_s_ = seconds;
-    last_share_ = share;
-  }
+  if (control_) return !printed_ || quiet > kShortestQuiet;
+  if (!printed_) return seconds > 2;
+  if (is_terminal_) return quiet > kShortestQuiet;
+  return quiet > kLongestQuiet || (quiet > 10 && share - last_share_ > 0.1);
 }
 
 void Progress::expect_more(double work) {
@@ -66,18 +71,20 @@ void Progress::tell(std::string what) {
   what_ = std::move(what);
 }
 
-void Progress::print(double seconds) {
+std::string Progress::format_line(double seconds) const {
   const double share = total_ > 0 ? done_ / total_ : 1;
   const std::string eta = share > 0.01 ? format_seconds(seconds * (1 - share) / share) : "?";
-  const std::string line =
-      fmt::format("{}: {:3.0f} %, {} left{}{}", label_, 100 * share, eta, what_.empty() ? "" : "; ", what_);
+  return fmt::format("{}: {:3.0f} %, {} left{}{}", label_, 100 * share, eta, what_.empty() ? "" : "; ",
+                     what_);
+}
+
+void Progress::print(const std::string& line) {
   if (is_terminal_) {
     fmt::print(stderr, "\r\033[K{}", line);
   } else {
     fmt::print(stderr, "{}\n", line);
   }
   std::fflush(stderr);
-  printed_ = true;
 }
 
 }  // namespace equilux

@@ -5,20 +5,23 @@
 #include <mutex>
 #include <string>
 
+#include "base/job_control.h"
+
 namespace equilux {
 
-/// Reports done / total on standard error. Thread-safe. On a terminal one line is rewritten five times a
-/// second; elsewhere a line appears after two seconds and then when the share has grown by a tenth and ten
-/// seconds have gone, or five minutes have. The last line says how long it took: the total is an estimate,
-/// which may be missed by some percent.
+/// Reports done / total on standard error, or to a control where there is one. Thread-safe. On a terminal one
+/// line is rewritten five times a second; elsewhere a line appears after two seconds and then when the share
+/// has grown by a tenth and ten seconds have gone, or five minutes have. The last line says how long it took:
+/// the total is an estimate, which may be missed by some percent.
 class Progress {
  public:
-  /// `total` in any unit of work whose cost is even.
-  Progress(std::string label, double total);
+  /// `total` in any unit of work whose cost is even. `control`, which may be null, outlives it.
+  Progress(std::string label, double total, JobControl* control = nullptr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// Waits while the control holds the job. errors: JobCancelled
   void advance(double work);
   /// There is so much more to do (or less) than was said before.
   void expect_more(double work);
@@ -26,10 +29,13 @@ class Progress {
   void tell(std::string what);
 
  private:
-  void print(double seconds);
+  bool is_due(double seconds, double share) const;
+  std::string format_line(double seconds) const;
+  void print(const std::string& line);
 
   std::string label_, what_;
   double total_;
+  JobControl* control_;
   double done_ = 0;
   bool is_terminal_;
   int exceptions_;  ///< in flight at the start

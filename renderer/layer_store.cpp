@@ -57,7 +57,7 @@ bool LayerStore::is_other(const std::string& name, const std::string& recipe) co
 void LayerStore::save(const std::string& name, const std::string& recipe, const HdrImage& image,
                       ExrMetadata metadata, const VplRecord& vpls, Json reference) {
   const std::string file = file_of(name);
-  metadata["equilux_layer"] = name;
+  metadata["equilux_key"] = name;
   metadata["equilux_study"] = layers_.study_name;
   metadata["equilux_seed"] = fmt::format("{}", layers_.seed);
   metadata["equilux_made_from"] = recipe;

@@ -30,22 +30,27 @@ PictureStore::PictureStore(StudyFolder folder, const Study& study)
   drop_others(study);
 }
 
-bool PictureStore::is_whole(const std::string& key, const std::string& made_from) const {
+std::optional<PictureRecord> PictureStore::find(const std::string& key) const {
+  const std::lock_guard lock(mutex_);
   const auto found = manifest_.pictures.find(key);
-  if (found == manifest_.pictures.end() || found->second.made_from != made_from) return false;
-  const std::filesystem::path path = folder_.root / found->second.file;
-  return is_file(path) && digest_file(path) == found->second.digest;
+  return found == manifest_.pictures.end() ? std::nullopt : std::optional(found->second);
+}
+
+bool PictureStore::is_whole(const std::string& key, const std::string& made_from) const {
+  const auto found = find(key);
+  if (!found || found->made_from != made_from) return false;
+  const std::filesystem::path path = folder_.root / found->file;
+  return is_file(path) && digest_file(path) == found->digest;
 }
 
 void PictureStore::save(const std::string& key, const std::string& made_from, const LdrImage& picture) {
   const std::string bytes = encode_png(picture);
   const std::string digest = digest_text(bytes);
-  const auto found = manifest_.pictures.find(key);
-  if (locked_ && found != manifest_.pictures.end() && found->second.digest != digest) {
-    refuse_change(folder_, "another " + key);
-  }
+  const auto found = find(key);
+  if (locked_ && found && found->digest != digest) refuse_change(folder_, "another " + key);
   const std::string file = "pictures/" + key + ".png";
   save_text(folder_.root / file, bytes);
+  const std::lock_guard lock(mutex_);
   manifest_.pictures[key] = {file, digest, made_from, {}, {}, {}};
 }
 

@@ -2,6 +2,8 @@
 // another.
 #pragma once
 
+#include <mutex>
+#include <optional>
 #include <string>
 
 #include "stimuli/image.h"
@@ -21,10 +23,10 @@ class PictureStore {
   /// Opens what an earlier run left; records of pictures that the study does not have are dropped.
   PictureStore(StudyFolder folder, const Study& study);
 
-  /// True if the picture is on disk as recorded and was made from this.
+  /// True if the picture is on disk as recorded and was made from this. Thread-safe beside save.
   bool is_whole(const std::string& key, const std::string& made_from) const;
 
-  /// errors: InputError if the picture may have been shown and is another now; StoreError.
+  /// Thread-safe. errors: InputError if the picture may have been shown and is another now; StoreError.
   void save(const std::string& key, const std::string& made_from, const LdrImage& picture);
 
   /// What the record of a reference that is there says of its error, and how it was made.
@@ -39,10 +41,12 @@ class PictureStore {
 
  private:
   void drop_others(const Study& study);
+  std::optional<PictureRecord> find(const std::string& key) const;
 
   StudyFolder folder_;
   bool locked_;
   Manifest manifest_;
+  mutable std::mutex mutex_;  ///< of the records
 };
 
 }  // namespace equilux

@@ -1,21 +1,17 @@
 // A set: check, render what is missing, tone-map, tell.
 #include "renderer/set.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <set>
 #include <thread>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/folder_lock.h"
-#include "base/progress.h"
 #include "protocols/session_protocol.h"
-#include "renderer/compose.h"
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
+#include "renderer/set_pictures.h"
 #include "renderer/stopwatch.h"
 #include "renderer/timing.h"
 
@@ -38,6 +34,16 @@ void check_same_study(const StudyFolder& folder, const Study& study) {
   if (shown != study.digest) refuse_change(folder, "another study");
 }
 
+// A folder belongs to the study that was first rendered into it, whatever may become of that study.
+void check_same_name(const StudyFolder& folder, const Study& study) {
+  if (!path_exists(folder.study())) return;
+  const Json shown = parse_json(load_text(folder.study()), folder.study().string());
+  const Json* name = shown.find("name");
+  if (name && name->is_string() && name->as_string() != study.name)
+    throw InputError(folder.root.string(), "", fmt::format("the folder of the study \"{}\"", study.name),
+                     fmt::format("that of \"{}\"; render into another folder", name->as_string()));
+}
+
 // Windows and truth are a person's to edit once they are here; what cannot be used is not copied.
 template <typename Load>
 void copy_once(const fs::path& source, const fs::path& target, const Study& study, const Load& load) {
@@ -49,6 +55,7 @@ void copy_once(const fs::path& source, const fs::path& target, const Study& stud
 }
 
 void prepare_folder(const StudyFolder& folder, const Study& study) {
+  check_same_name(folder, study);
   if (has_sessions(folder)) check_same_study(folder, study);
   for (const fs::path& part : {folder.root, folder.layer_folder(), folder.picture_folder()}) {
     make_folder(part);
@@ -63,132 +70,6 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
     copy_once(study.session_path, folder.session(), study,
               [](const fs::path& path, const Study&) { return load_session_protocol(path); });
   save_text(folder.study(), format_json(study.source));
-}
-
-Json make_json(const DisplayNoise& noise) {
-  Json json;
-  json.set("object_mean", noise.object_mean).set("object_p99", noise.object_p99);
-  json.set("outside_mean", noise.outside_mean);
-  return json;
-}
-
-// What is known of the VPL layer that a picture shows, before any normalisation.
-Json tell_vpls(const LayerStore& store, const std::string& name) {
-  const LayerRecord& layer = store.record(name);
-  if (layer.vpls.is_null()) return {};
-  Json json;
-  json.set("layer", name).set("count", layer.vpl_count);
-  for (const auto& [member, value] : layer.vpls.as_object()) json.set(member, value);
-  return json;
-}
-
-// The errors measured of all pictures by cuts, pooled over levels and materials.
-void pool_errors(const LayerStore& store, const std::vector<Condition>& conditions, SetSummary& summary) {
-  std::map<std::int64_t, std::map<std::string, const Json*>> pools;  // by count, then by layer
-  for (const Condition& condition : conditions) {
-    const std::string name = vpl_layer_name(condition);
-    const Json& errors = store.record(name).errors_1e5;
-    const Json* certified = store.record(name).vpls.find("certified");
-    if (certified && !certified->as_bool())
-      summary.warnings.push_back(name + ": not certified, more than 1 % of its points err by 1 % or more");
-    if (!errors.is_null()) pools[condition.cell.column.vpl_count][name] = &errors;
-  }
-  for (const auto& [count, by_layer] : pools) {
-    std::vector<const Json*> all;
-    for (const auto& [name, errors] : by_layer) all.push_back(errors);
-    summary.cut_errors[count] = summarise_pools(all);
-  }
-}
-
-// Layers of other instruction sets differ in their last bits.
-void warn_of_mixture(const LayerStore& store, const Wanted& wanted, SetSummary& summary) {
-  std::map<std::string, std::size_t> counts;
-  for (const Family& family : wanted.families) {
-    for (const char* content : kFamilyContents) ++counts[store.record(layer_name(family, content)).isa];
-  }
-  for (const Condition& condition : wanted.conditions) ++counts[store.record(vpl_layer_name(condition)).isa];
-  counts.erase("");
-  if (counts.size() < 2) return;
-  std::string text;
-  for (const auto& [isa, count] : counts)
-    text += fmt::format("{}{} by {}", text.empty() ? "" : ", ", count, isa);
-  summary.warnings.push_back("layers of more than one instruction set, which differ in their last bits: " +
-                             text + "; --isa fixes it");
-}
-
-bool is_black(const HdrImage& image) {
-  return std::all_of(image.values.begin(), image.values.end(), [](float value) { return value == 0; });
-}
-
-// Pictures without an object or without light are legal, and hardly ever meant.
-void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSummary& summary) {
-  if (is_black(loaded.coverage)) {
-    summary.warnings.push_back(key + ": the object is not in the picture");
-  } else if (is_black(loaded.indirect) && is_black(loaded.direct)) {
-    summary.warnings.push_back(key + ": no light reaches the object");
-  }
-  if (is_black(loaded.background)) summary.warnings.push_back(key + ": the background is black");
-}
-
-// Of a reference by VPL sets. Rare bright paths make some regions differ by more than chance of a normal
-// distribution would; this is beyond that.
-void warn_of_check(const Json& reference, const std::string& key, SetSummary& summary) {
-  constexpr double kMostErrors = 7;
-  const Json* check = reference.is_null() ? nullptr : reference.find("check");
-  if (!check) return;
-  for (const Json& region : check->as_array()) {
-    const double z = region.at("z").as_double();
-    if (std::abs(z) > kMostErrors)
-      summary.warnings.push_back(
-          fmt::format("{}: region {} differs from its path-traced check by {:.1f} standard "
-                      "errors",
-                      key, region.at("region").as_string(), z));
-  }
-}
-
-void tonemap_family(const Study& study, const LayerStore& store, const Family& family,
-                    const std::vector<Condition>& conditions, PictureStore& pictures, SetSummary& summary) {
-  const LoadedFamily loaded = load_family(study, store, family);
-  const std::string key = format_key(family);
-  summary.noise[key] = loaded.noise;
-  warn_of_emptiness(loaded, key, summary);
-  pictures.set_tone(key, loaded.tone.record);
-  const auto write = [&](const std::string& picture_key, const std::string& made_from,
-                         const auto& make_indirect) {
-    ++summary.pictures;
-    if (pictures.is_whole(picture_key, made_from)) return;
-    const HdrImage indirect = make_indirect();
-    pictures.save(picture_key, made_from, compose_picture(loaded, indirect));
-    ++summary.pictures_written;
-  };
-  write(key, digest_reference(loaded), [&] { return loaded.indirect; });
-  const Json& reference = store.record(layer_name(family, "indirect")).reference;
-  pictures.set_error(key, make_json(loaded.noise), reference);
-  warn_of_check(reference, key, summary);
-  for (const Condition& condition : conditions) {
-    write(format_key(condition), digest_picture(loaded, store, condition),
-          [&] { return load_vpl_layer(store, condition); });
-    pictures.set_vpls(format_key(condition), tell_vpls(store, vpl_layer_name(condition)));
-  }
-}
-
-void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerStore& store,
-                    const Wanted& wanted, SetSummary& summary) {
-  const auto start = std::chrono::steady_clock::now();
-  PictureStore pictures(folder, study);
-  Progress progress("pictures", static_cast<double>(wanted.families.size()));
-  for (const Family& family : wanted.families) {
-    std::vector<Condition> conditions;
-    for (const Condition& condition : wanted.conditions) {
-      if (family_of(condition) == family) conditions.push_back(condition);
-    }
-    tonemap_family(study, store, family, conditions, pictures, summary);
-    progress.advance(1);
-  }
-  pictures.save_record();
-  pool_errors(store, wanted.conditions, summary);
-  warn_of_mixture(store, wanted, summary);
-  summary.seconds["pictures"] += seconds_since(start);
 }
 
 std::string join_warnings(const std::vector<std::string>& warnings) {
@@ -226,7 +107,7 @@ class SetMaker {
     }
     timing_.seconds["checking"] = seconds_since(start);
     complete_layers(own, store);
-    if (!params_.job) tonemap_wanted(study_, own, store, wanted_, summary_);
+    if (!params_.job) tonemap_wanted(study_, own, store, wanted_, params_.control, summary_);
     tell_times(own);
     return std::move(summary_);
   }
@@ -298,7 +179,7 @@ class SetMaker {
     summary_.layers_rendered =
         missing.families.size() * std::size(kFamilyContents) + missing.conditions.size();
     WorkLog log(own);
-    timing_.work = render_layers(recipes_, scene_, missing, store, log, timing_.seconds);
+    timing_.work = render_layers(recipes_, scene_, missing, store, log, params_.control, timing_.seconds);
   }
 
   void tell_times(const StudyFolder& own) {
@@ -335,7 +216,7 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const LayerStore store(folder, study);
   SetSummary summary;
   summary.target = study.noise_target;
-  tonemap_wanted(study, folder, store, enumerate_wanted(study, only), summary);
+  tonemap_wanted(study, folder, store, enumerate_wanted(study, only), nullptr, summary);
   return summary;
 }
 

@@ -1,112 +1,99 @@
-// fork, exec, and a pipe for its progress lines.
+// make_set in a thread, held and ended by its control.
 #include "experiment/app/background_render.h"
 
-#include <cerrno>
-#include <csignal>
-#include <cstring>
-#include <fcntl.h>
+#include <atomic>
+#include <fmt/format.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <utility>
+#include <thread>
 
-#include "base/error.h"
+#include "renderer/set.h"
 
 namespace equilux {
 namespace {
 
 constexpr int kNiceness = 10;  // the window comes first
 
-// The renderer stands beside this program.
-std::filesystem::path find_program() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "equilux-render";
-}
-
-[[noreturn]] void become(const std::string& program, const std::string& study, const std::string& folder,
-                         int output) {
-  ::setpgid(0, 0);
-  ::setpriority(PRIO_PROCESS, 0, kNiceness);
-  ::dup2(output, STDOUT_FILENO);
-  ::dup2(output, STDERR_FILENO);
-  ::execl(program.c_str(), program.c_str(), "set", study.c_str(), "--out", folder.c_str(),
-          static_cast<char*>(nullptr));
-  ::_exit(127);
-}
+// Of this thread, and of those that it begins.
+void be_nice() { ::setpriority(PRIO_PROCESS, 0, kNiceness); }
 
 }  // namespace
 
-BackgroundRender::~BackgroundRender() {
-  cancel();
-  if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
-  if (output_ >= 0) ::close(output_);
-}
+// Its thread writes outcome and line, and is over then.
+struct BackgroundRender::Job {
+  Job(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
+    params.study_path = study_file;
+    params.folder = folder;
+    params.control = &control;
+    control.tell("starting");
+    thread = std::jthread([this] { run(); });
+  }
+
+  void run() {
+    be_nice();
+    RenderState outcome = RenderState::kDone;
+    try {
+      const SetSummary summary = make_set(params);
+      control.tell(
+          fmt::format("{} pictures, {} of them made now", summary.pictures, summary.pictures_written));
+    } catch (const JobCancelled&) {
+      outcome = RenderState::kCancelled;
+    } catch (const std::bad_alloc&) {
+      outcome = RenderState::kFailed;
+      control.tell("out of memory");
+    } catch (const std::exception& error) {
+      outcome = RenderState::kFailed;
+      control.tell(error.what());
+    }
+    state = outcome;
+  }
+
+  JobControl control;
+  SetParams params;
+  std::atomic<RenderState> state = RenderState::kRunning;
+  bool is_cancelled = false;
+  std::jthread thread;  // ends before what it uses
+};
+
+BackgroundRender::BackgroundRender() = default;
+
+BackgroundRender::~BackgroundRender() { cancel(); }
 
 void BackgroundRender::start(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
-  if (state_ == RenderState::kRunning || state_ == RenderState::kPaused) {
-    if (is_cancelled_) wanted_.emplace(study_file, folder);
+  if (job_) {
+    if (job_->is_cancelled) wanted_.emplace(study_file, folder);
     return;
   }
-  const std::string program = find_program(), study = study_file, root = folder;
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0)
-    throw StoreError(fmt::format("cannot start {}: {}", program, std::strerror(errno)));
-  pid_ = ::fork();
-  if (pid_ == 0) become(program, study, root, ends[1]);
-  if (pid_ > 0) ::setpgid(pid_, pid_);  // here too: it may be paused before it has got so far
-  ::close(ends[1]);
-  if (output_ >= 0) ::close(output_);
-  output_ = ends[0];
-  if (pid_ < 0) throw StoreError(fmt::format("cannot start {}: {}", program, std::strerror(errno)));
-  partial_.clear();
-  line_ = "starting";
-  is_cancelled_ = false;
+  job_ = std::make_unique<Job>(study_file, folder);
   state_ = RenderState::kRunning;
+  line_ = job_->control.line();
 }
 
 void BackgroundRender::pause() {
   if (state_ != RenderState::kRunning) return;
-  ::kill(-pid_, SIGSTOP);
+  job_->control.pause();
   state_ = RenderState::kPaused;
 }
 
 void BackgroundRender::resume() {
   if (state_ != RenderState::kPaused) return;
-  ::kill(-pid_, SIGCONT);
+  job_->control.resume();
   state_ = RenderState::kRunning;
 }
 
 void BackgroundRender::cancel() {
-  if (state_ != RenderState::kRunning && state_ != RenderState::kPaused) return;
-  is_cancelled_ = true;
+  if (!job_) return;
+  job_->is_cancelled = true;
   wanted_.reset();
-  ::kill(-pid_, SIGTERM);
-  ::kill(-pid_, SIGCONT);
-}
-
-void BackgroundRender::read_output() {
-  char bytes[4096];
-  for (ssize_t count; (count = ::read(output_, bytes, sizeof bytes)) > 0;) {
-    for (ssize_t i = 0; i < count; ++i) {
-      const char letter = bytes[i];
-      if (letter != '\n' && letter != '\r') {
-        partial_ += letter;
-      } else if (!partial_.empty()) {
-        line_ = std::exchange(partial_, {});
-      }
-    }
-  }
+  job_->control.cancel();
 }
 
 RenderState BackgroundRender::poll() {
-  if (pid_ <= 0) return state_;
-  read_output();
-  int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return state_;
-  pid_ = -1;
-  read_output();
-  const bool is_done = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) line_ = "equilux-render is not beside this program";
-  state_ = is_done ? RenderState::kDone : is_cancelled_ ? RenderState::kCancelled : RenderState::kFailed;
+  if (!job_) return state_;
+  const RenderState state = job_->state;
+  line_ = job_->control.line();
+  if (state == RenderState::kRunning) return state_;
+  state_ = state;
+  job_.reset();
   if (const auto wanted = std::exchange(wanted_, std::nullopt)) start(wanted->first, wanted->second);
   return state_;
 }

@@ -1,10 +1,10 @@
-// equilux-render beside the window: a process of its own, so that neither can end the other.
+// The renderer beside the window: a thread of its own, nice to the window's.
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
-#include <sys/types.h>
 #include <utility>
 
 namespace equilux {
@@ -15,32 +15,28 @@ enum class RenderState { kIdle, kRunning, kPaused, kDone, kFailed, kCancelled };
 /// end of its life.
 class BackgroundRender {
  public:
-  BackgroundRender() = default;
+  BackgroundRender();
   ~BackgroundRender();
   BackgroundRender(const BackgroundRender&) = delete;
   BackgroundRender& operator=(const BackgroundRender&) = delete;
 
-  /// While one that was cancelled is still ending, begins after it. errors: StoreError if the program cannot
-  /// be started
+  /// While one that was cancelled is still ending, begins after it.
   void start(const std::filesystem::path& study_file, const std::filesystem::path& folder);
   void pause();
   void resume();
   void cancel();
 
-  /// Looks at the process; gives the state.
+  /// Looks at the job; gives the state.
   RenderState poll();
-  /// The last line that it wrote: its progress, or why it failed.
+  /// How far it is, what it did, or why it failed.
   const std::string& line() const { return line_; }
 
  private:
-  void read_output();
+  struct Job;
 
   RenderState state_ = RenderState::kIdle;
-  pid_t pid_ = -1;
-  int output_ = -1;
-  bool is_cancelled_ = false;
+  std::unique_ptr<Job> job_;
   std::optional<std::pair<std::filesystem::path, std::filesystem::path>> wanted_;  ///< study, folder
-  std::string partial_;
   std::string line_;
 };
 

@@ -50,9 +50,13 @@ TEST(Linkage, OfTheRendererHasNoWindowAndNoImageLibraryBeforeASheet) {
   EXPECT_THAT(list_needed("equilux-render"), testing::Contains(testing::StartsWith("libembree")));
 }
 
-TEST(Linkage, OfTheSessionHasNoRenderer) {
-  expect_none_of("equilux-session", kRendering);
+TEST(Linkage, OfTheSessionHasTheRendererOfItsWorkspaceAndNoImageLibrary) {
   expect_none_of("equilux-session", kImages);
+#ifdef EQUILUX_WINDOW
+  EXPECT_THAT(list_needed("equilux-session"), testing::Contains(testing::StartsWith("libembree")));
+#else
+  expect_none_of("equilux-session", kRendering);
+#endif
 }
 
 }  // namespace

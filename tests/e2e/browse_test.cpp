@@ -1,4 +1,6 @@
 // The workspace under a real X server, by keys: a set rendered beside the window, pictures flipped, results.
+#include "experiment/browse.h"
+
 #include <algorithm>
 #include <cstring>
 #include <fstream>
@@ -6,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <map>
 #include <set>
+#include <sys/stat.h>
+#include <thread>
 
 #include "analysis/interim.h"
 #include "renderer/set.h"
@@ -31,27 +35,26 @@ fs::path write_study(const test::TinyStudy& tiny) {
   return path;
 }
 
-// The state letter of the renderer's process for this folder, as /proc/PID/stat has it; 0 where there is
-// none.
-char find_renderer_state(const fs::path& folder) {
-  std::error_code gone;
-  for (const auto& entry : fs::directory_iterator("/proc", gone)) {
-    if (std::atoi(entry.path().filename().c_str()) <= 1) continue;
-    std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-    const std::string words((std::istreambuf_iterator<char>(file)), {});
-    if (!words.starts_with(kBin + "/equilux-render") || words.find(folder.string()) == std::string::npos)
-      continue;
-    std::ifstream stat(entry.path() / "stat");
-    const std::string text((std::istreambuf_iterator<char>(stat)), {});
-    const std::size_t end = text.rfind(')');
-    if (end != std::string::npos && end + 2 < text.size()) return text[end + 2];
-  }
-  return 0;
+// Whether a process holds the folder to write in it, as /proc/locks has it.
+bool is_being_written(const fs::path& folder) {
+  struct stat lock {};
+  if (::stat((folder / ".lock").c_str(), &lock) != 0) return false;
+  std::ifstream file("/proc/locks");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  return text.find(fmt::format(":{} ", lock.st_ino)) != std::string::npos;
 }
+
+// Layers and pictures that are whole.
+std::size_t count_products(const fs::path& folder) { return test::digest_products(folder).size(); }
 
 void run(const std::vector<std::string>& arguments) {
   ChildProcess program(arguments);
   ASSERT_EQ(program.wait(), 0) << program.read_output();
+}
+
+bool holds_all(const StudyFolder& folder) {
+  const std::optional<Manifest> manifest = load_manifest(folder.manifest());
+  return find_holding(load_folder_study(folder), manifest).missing.empty();
 }
 
 LdrImage load(const StudyFolder& folder, const std::string& key) {
@@ -133,22 +136,31 @@ TEST_F(BrowseAppTest, RendersWhatIsMissingPausesCancelsAndGoesOn) {
        "G0-MS-ind-100-C0-v0"});
   ChildProcess app = browse(folder, {"--study", study.string()});
   ASSERT_TRUE(wait_for_window()) << app.read_output();
-  const auto state_comes = [&](auto is_wanted) {
-    return wait_until([&] { return is_wanted(find_renderer_state(folder.root)); });
+  const auto writing_is = [&](bool wanted) {
+    return wait_until([&] { return is_being_written(folder.root) == wanted; });
+  };
+  const auto grows = [&] {
+    const std::size_t before = count_products(folder.root);
+    return wait_until([&] { return count_products(folder.root) > before; });
   };
   display_.type_key("r");
-  ASSERT_TRUE(state_comes([](char state) { return state == 'R' || state == 'S'; }));
+  ASSERT_TRUE(writing_is(true));
+  ASSERT_TRUE(grows());
   display_.type_key("p");
-  ASSERT_TRUE(state_comes([](char state) { return state == 'T'; }));
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const std::size_t held = count_products(folder.root);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  EXPECT_EQ(count_products(folder.root), held);
+  EXPECT_TRUE(is_being_written(folder.root)) << "paused, not ended";
   display_.type_key("r");
-  ASSERT_TRUE(state_comes([](char state) { return state != 'T'; }));
+  ASSERT_TRUE(grows());
   display_.type_key("c");
-  ASSERT_TRUE(state_comes([](char state) { return state == 0; }));
+  ASSERT_TRUE(writing_is(false));
+  EXPECT_FALSE(holds_all(folder)) << "it was over before it was cancelled";
   display_.type_key("r");
-  ASSERT_TRUE(state_comes([](char state) { return state != 0; }));
+  ASSERT_TRUE(writing_is(true));
   bool is_done = false;  // it is nice to whatever else runs
-  for (int patience = 0; patience < 10 && !is_done; ++patience)
-    is_done = state_comes([](char state) { return state == 0; });
+  for (int patience = 0; patience < 10 && !is_done; ++patience) is_done = writing_is(false);
   ASSERT_TRUE(is_done);
 
   SetParams params;

@@ -2,9 +2,12 @@
 #include "renderer/set.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <thread>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -41,6 +44,42 @@ TEST(Set, GivesTheSameBytesOnOneTwoAndThreeThreadsAndInParts) {
   render(study, "parts", "G0-MS-ind-*-C4-v0");
   render(study, "parts");
   EXPECT_EQ(digest_products(study.folder() / "parts"), products[0]);
+}
+
+// A run that another thread pauses once it has made a layer, holds for a while, and cancels.
+TEST(Set, ThatIsPausedMakesNothingAndCancelledKeepsWhatIsWhole) {
+  const test::TinyStudy study;
+  render(study, "whole");
+  const fs::path root = study.folder() / "set";
+  const auto count_layers = [&] {
+    std::error_code gone;
+    return std::distance(fs::directory_iterator(root / "layers", gone), fs::directory_iterator{});
+  };
+  JobControl control;
+  std::atomic<bool> is_cancelled = false;
+  std::jthread job([&] {
+    try {
+      SetParams params{study.path(), root};
+      params.control = &control;
+      make_set(params);
+    } catch (const JobCancelled&) {
+      is_cancelled = true;
+    }
+  });
+  while (count_layers() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  control.pause();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto held = count_layers();
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_EQ(count_layers(), held);
+  EXPECT_THAT(control.line(), testing::HasSubstr("rendering: "));
+  control.cancel();
+  job.join();
+  EXPECT_TRUE(is_cancelled);
+  EXPECT_FALSE(fs::exists(root / "manifest.json"));
+  EXPECT_LT(count_layers(), 100);
+  render(study, "set");
+  EXPECT_EQ(digest_products(root), digest_products(study.folder() / "whole"));
 }
 
 // The check that every pair of a reference and its tests must pass; gives the first key that differs outside
@@ -151,6 +190,23 @@ TEST(Set, AFolderWithSessionsKnowsItsStudyAlsoWithoutTheStudyFile) {
   EXPECT_THROW(render(other, "set", "G0-MS-ind-100-C4-v0"), InputError);
   EXPECT_FALSE(fs::exists(study.folder() / "set/study.json"));
   EXPECT_EQ(render(study, "set", "G0-MS-ind-100-C4-v0").pictures_written, 0u);
+}
+
+TEST(Set, AFolderOfAnotherStudyIsRefusedAndLeftAsItWas) {
+  const test::TinyStudy study;
+  render(study, "set", "G0-MS-ind-*-v0");
+  const auto before = digest_products(study.folder() / "set");
+  Json json = study.load().source;
+  json.set("name", "other");
+  const fs::path path = study.folder() / "other.json";
+  save_text(path, format_json(json));
+  EXPECT_THAT(
+      [&] {
+        make_set({path, study.folder() / "set"});
+      },
+      testing::ThrowsMessage<InputError>(
+          testing::HasSubstr("expected the folder of the study \"other\", got that of \"pocket\"")));
+  EXPECT_EQ(digest_products(study.folder() / "set"), before);
 }
 
 TEST(Set, WindowsThatCannotBeUsedAreNotCopiedIntoTheFolder) {

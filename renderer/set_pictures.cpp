@@ -1,0 +1,178 @@
+// From a set's layers to its pictures and manifest, and what is worth a warning on the way.
+#include "renderer/set_pictures.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "renderer/compose.h"
+#include "renderer/parallel.h"
+#include "renderer/picture_store.h"
+#include "renderer/stopwatch.h"
+
+namespace equilux {
+namespace {
+
+constexpr std::chrono::seconds kRecordEvery{5};  // a run that is killed loses no more
+
+Json make_json(const DisplayNoise& noise) {
+  Json json;
+  json.set("object_mean", noise.object_mean).set("object_p99", noise.object_p99);
+  json.set("outside_mean", noise.outside_mean);
+  return json;
+}
+
+// What is known of the VPL layer that a picture shows, before any normalisation.
+Json tell_vpls(const LayerStore& store, const std::string& name) {
+  const LayerRecord& layer = store.record(name);
+  if (layer.vpls.is_null()) return {};
+  Json json;
+  json.set("layer", name).set("count", layer.vpl_count);
+  for (const auto& [member, value] : layer.vpls.as_object()) json.set(member, value);
+  return json;
+}
+
+// The errors measured of all pictures by cuts, pooled over levels and materials.
+void pool_errors(const LayerStore& store, const std::vector<Condition>& conditions, SetSummary& summary) {
+  std::map<std::int64_t, std::map<std::string, const Json*>> pools;  // by count, then by layer
+  for (const Condition& condition : conditions) {
+    const std::string name = vpl_layer_name(condition);
+    const Json& errors = store.record(name).errors_1e5;
+    const Json* certified = store.record(name).vpls.find("certified");
+    if (certified && !certified->as_bool())
+      summary.warnings.push_back(name + ": not certified, more than 1 % of its points err by 1 % or more");
+    if (!errors.is_null()) pools[condition.cell.column.vpl_count][name] = &errors;
+  }
+  for (const auto& [count, by_layer] : pools) {
+    std::vector<const Json*> all;
+    for (const auto& [name, errors] : by_layer) all.push_back(errors);
+    summary.cut_errors[count] = summarise_pools(all);
+  }
+}
+
+// Layers of other instruction sets differ in their last bits.
+void warn_of_mixture(const LayerStore& store, const Wanted& wanted, SetSummary& summary) {
+  std::map<std::string, std::size_t> counts;
+  for (const Family& family : wanted.families) {
+    for (const char* content : kFamilyContents) ++counts[store.record(layer_name(family, content)).isa];
+  }
+  for (const Condition& condition : wanted.conditions) ++counts[store.record(vpl_layer_name(condition)).isa];
+  counts.erase("");
+  if (counts.size() < 2) return;
+  std::string text;
+  for (const auto& [isa, count] : counts)
+    text += fmt::format("{}{} by {}", text.empty() ? "" : ", ", count, isa);
+  summary.warnings.push_back("layers of more than one instruction set, which differ in their last bits: " +
+                             text + "; --isa fixes it");
+}
+
+bool is_black(const HdrImage& image) {
+  return std::all_of(image.values.begin(), image.values.end(), [](float value) { return value == 0; });
+}
+
+// Pictures without an object or without light are legal, and hardly ever meant.
+void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSummary& summary) {
+  if (is_black(loaded.coverage)) {
+    summary.warnings.push_back(key + ": the object is not in the picture");
+  } else if (is_black(loaded.indirect) && is_black(loaded.direct)) {
+    summary.warnings.push_back(key + ": no light reaches the object");
+  }
+  if (is_black(loaded.background)) summary.warnings.push_back(key + ": the background is black");
+}
+
+// Of a reference by VPL sets. Rare bright paths make some regions differ by more than chance of a normal
+// distribution would; this is beyond that.
+void warn_of_check(const Json& reference, const std::string& key, SetSummary& summary) {
+  constexpr double kMostErrors = 7;
+  const Json* check = reference.is_null() ? nullptr : reference.find("check");
+  if (!check) return;
+  for (const Json& region : check->as_array()) {
+    const double z = region.at("z").as_double();
+    if (std::abs(z) > kMostErrors)
+      summary.warnings.push_back(
+          fmt::format("{}: region {} differs from its path-traced check by {:.1f} standard "
+                      "errors",
+                      key, region.at("region").as_string(), z));
+  }
+}
+
+// A picture of a family: its place in the manifest, what it is made from, and its object's indirect light.
+struct WantedPicture {
+  std::string key, made_from;
+  std::function<HdrImage()> make_indirect;
+};
+
+std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const LayerStore& store,
+                                         const Family& family, const std::vector<Condition>& conditions) {
+  std::vector<WantedPicture> pictures{
+      {format_key(family), digest_reference(loaded), [&] { return loaded.indirect; }}};
+  for (const Condition& condition : conditions) {
+    pictures.push_back({format_key(condition), digest_picture(loaded, store, condition),
+                        [&] { return load_vpl_layer(store, condition); }});
+  }
+  return pictures;
+}
+
+// Those that are not whole, on all threads; gives their number.
+std::size_t write_pictures(const LoadedFamily& loaded, const std::vector<WantedPicture>& wanted,
+                           PictureStore& pictures, Progress& progress) {
+  std::atomic<std::size_t> written = 0;
+  for_each_parallel(wanted.size(), [&](std::size_t i) {
+    const WantedPicture& picture = wanted[i];
+    if (!pictures.is_whole(picture.key, picture.made_from)) {
+      pictures.save(picture.key, picture.made_from, compose_picture(loaded, picture.make_indirect()));
+      ++written;
+    }
+    progress.advance(1);
+  });
+  return written;
+}
+
+void tonemap_family(const Study& study, const LayerStore& store, const Family& family,
+                    const std::vector<Condition>& conditions, PictureStore& pictures, Progress& progress,
+                    SetSummary& summary) {
+  const LoadedFamily loaded = load_family(study, store, family);
+  const std::string key = format_key(family);
+  summary.noise[key] = loaded.noise;
+  warn_of_emptiness(loaded, key, summary);
+  pictures.set_tone(key, loaded.tone.record);
+  const auto wanted = list_pictures(loaded, store, family, conditions);
+  summary.pictures += wanted.size();
+  summary.pictures_written += write_pictures(loaded, wanted, pictures, progress);
+  const Json& reference = store.record(layer_name(family, "indirect")).reference;
+  pictures.set_error(key, make_json(loaded.noise), reference);
+  warn_of_check(reference, key, summary);
+  for (const Condition& condition : conditions)
+    pictures.set_vpls(format_key(condition), tell_vpls(store, vpl_layer_name(condition)));
+}
+
+}  // namespace
+
+void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerStore& store,
+                    const Wanted& wanted, JobControl* control, SetSummary& summary) {
+  const Stopwatch watch(summary.seconds["pictures"]);
+  PictureStore pictures(folder, study);
+  Progress progress("pictures", static_cast<double>(wanted.families.size() + wanted.conditions.size()),
+                    control);
+  auto recorded = std::chrono::steady_clock::now();
+  for (const Family& family : wanted.families) {
+    std::vector<Condition> conditions;
+    for (const Condition& condition : wanted.conditions) {
+      if (family_of(condition) == family) conditions.push_back(condition);
+    }
+    tonemap_family(study, store, family, conditions, pictures, progress, summary);
+    if (std::chrono::steady_clock::now() - recorded < kRecordEvery) continue;
+    pictures.save_record();
+    recorded = std::chrono::steady_clock::now();
+  }
+  pictures.save_record();
+  pool_errors(store, wanted.conditions, summary);
+  warn_of_mixture(store, wanted, summary);
+}
+
+}  // namespace equilux

@@ -1,0 +1,16 @@
+// The last step of a set: pictures of whole layers.
+#pragma once
+
+#include "renderer/layer_store.h"
+#include "renderer/set.h"
+#include "renderer/wanted.h"
+
+namespace equilux {
+
+/// Tone-maps what is wanted and not whole, and writes the manifest; adds to the summary its pictures, errors,
+/// warnings and seconds. errors: InputError for a layer that is missing or damaged, or where a picture that
+/// may have been shown would change; StoreError; JobCancelled by the control, which may be null
+void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerStore& store,
+                    const Wanted& wanted, JobControl* control, SetSummary& summary);
+
+}  // namespace equilux

@@ -1,0 +1,97 @@
+// Pausing, going on and cancelling a job from another thread, and hearing of it.
+#include "base/job_control.h"
+
+#include <atomic>
+#include <chrono>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <thread>
+#include <vector>
+
+#include "base/progress.h"
+
+namespace equilux {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Threads that work piece by piece until they are cancelled.
+class Workers {
+ public:
+  explicit Workers(JobControl& control) {
+    for (int i = 0; i < 3; ++i) {
+      threads_.emplace_back([&] {
+        try {
+          for (;; ++pieces_) control.check();
+        } catch (const JobCancelled&) {
+          ++cancelled_;
+        }
+      });
+    }
+  }
+  void join() {
+    for (std::jthread& thread : threads_) thread.join();
+  }
+  // Whether any of them does a piece within so long.
+  bool works_within(std::chrono::milliseconds time) const {
+    const long before = pieces_;
+    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
+      if (pieces_ > before + 10) return true;
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  }
+  int cancelled() const { return cancelled_; }
+
+ private:
+  std::atomic<long> pieces_ = 0;
+  std::atomic<int> cancelled_ = 0;
+  std::vector<std::jthread> threads_;
+};
+
+TEST(JobControl, HoldsEveryThreadWhileItIsPausedAndEndsEachOnceItIsCancelled) {
+  JobControl control;
+  Workers workers(control);
+  EXPECT_TRUE(workers.works_within(5s));
+  control.pause();
+  std::this_thread::sleep_for(50ms);  // pieces that were begun
+  EXPECT_FALSE(workers.works_within(200ms));
+  control.resume();
+  EXPECT_TRUE(workers.works_within(5s));
+  control.cancel();
+  workers.join();
+  EXPECT_EQ(workers.cancelled(), 3);
+}
+
+TEST(JobControl, CancelsAJobThatIsPausedAndKeepsItCancelled) {
+  JobControl control;
+  control.pause();
+  Workers workers(control);
+  control.cancel();
+  workers.join();
+  EXPECT_EQ(workers.cancelled(), 3);
+  control.resume();
+  EXPECT_THROW(control.check(), JobCancelled);
+}
+
+TEST(JobControl, HearsOfProgressInPlaceOfStandardError) {
+  JobControl control;
+  testing::internal::CaptureStderr();
+  {
+    Progress progress("rendering", 4, &control);
+    progress.tell("backgrounds");
+    progress.advance(1);
+    EXPECT_THAT(control.line(), testing::MatchesRegex("rendering:  25 %, .* left; backgrounds"));
+    std::this_thread::sleep_for(300ms);
+    progress.tell("cuts");
+    progress.advance(1);
+    EXPECT_THAT(control.line(), testing::MatchesRegex("rendering:  50 %, .* left; cuts"));
+    control.cancel();
+    EXPECT_THROW(progress.advance(1), JobCancelled);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_THAT(control.line(), testing::HasSubstr("50 %"));
+}
+
+}  // namespace
+}  // namespace equilux
