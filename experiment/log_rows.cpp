@@ -12,6 +12,8 @@
 namespace equilux {
 namespace {
 
+constexpr std::size_t kUsualTrials = 512;  // of a session: so that most lists of them never grow
+
 Side parse_side(std::string_view text, const std::string& source) {
   if (text != "left" && text != "right")
     throw InputError(source, "trial", "left or right", std::string(text));
@@ -155,6 +157,7 @@ std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t s
                       " FROM trial WHERE session = ? ORDER BY trial",
                       session);
   std::vector<TrialRow> trials;
+  trials.reserve(kUsualTrials);
   while (statement.step()) trials.push_back(read_brief_trial(statement, cells, database.name()));
   return trials;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <unordered_map>
 #include <utility>
 
 #include "base/digest.h"
@@ -218,22 +219,37 @@ std::optional<std::string> find_abort_reason(const std::vector<EventRow>& events
 }
 
 // The lines "KEY INDEX correct\n" in the order of their bytes, sorted by the first field and then by the
-// rest: no key holds a blank or anything that sorts before it.
+// rest: no key holds a blank or anything that sorts before it. Of the rests there are few, so they are sorted
+// once and then told by their ranks.
 std::string digest_answers(const std::vector<AnswerRow>& answers) {
   CellNumbers numbers;
-  std::vector<std::vector<std::string>> rests;
+  std::unordered_map<std::int64_t, std::uint32_t> subjects;
+  std::vector<std::string> rests;
+  std::vector<std::vector<std::uint32_t>> by_cell;
   for (const AnswerRow& answer : answers) {
+    const auto [subject, is_new] =
+        subjects.try_emplace(answer.subject_index, static_cast<std::uint32_t>(rests.size()));
+    if (is_new) {
+      for (const char* outcome : {"wrong", "correct"})
+        rests.push_back(fmt::format(" {} {}\n", answer.subject_index, outcome));
+    }
     const std::size_t cell = numbers.number_of(answer.cell);
-    if (cell == rests.size()) rests.emplace_back();
-    rests[cell].push_back(std::to_string(answer.subject_index) +
-                          (answer.correct ? " correct\n" : " wrong\n"));
+    if (cell == by_cell.size()) by_cell.emplace_back();
+    by_cell[cell].push_back(subject->second + (answer.correct ? 1 : 0));
   }
-  std::map<std::string, std::vector<std::string>*> by_key;
-  for (std::size_t i = 0; i < rests.size(); ++i) by_key[format_key(numbers.cells()[i])] = &rests[i];
+  std::vector<std::string> sorted = rests;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::uint32_t> ranks;
+  for (const std::string& rest : rests)
+    ranks.push_back(
+        static_cast<std::uint32_t>(std::lower_bound(sorted.begin(), sorted.end(), rest) - sorted.begin()));
+  std::map<std::string, std::vector<std::uint32_t>*> by_key;
+  for (std::size_t i = 0; i < by_cell.size(); ++i) by_key[format_key(numbers.cells()[i])] = &by_cell[i];
   std::string text;
-  for (const auto& [key, rest] : by_key) {
-    std::sort(rest->begin(), rest->end());
-    for (const std::string& line : *rest) text.append(key).append(" ").append(line);
+  for (const auto& [key, cell] : by_key) {
+    for (std::uint32_t& rest : *cell) rest = ranks[rest];
+    std::sort(cell->begin(), cell->end());
+    for (const std::uint32_t rank : *cell) text.append(key).append(sorted[rank]);
   }
   return digest_text(text);
 }

@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 #include <thread>
 
-#include "tests/e2e/small_study.h"
-#include "tests/e2e/watched_session.h"
+#include "tests/e2e/app_fixture.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/raw_database.h"
 
@@ -15,23 +14,6 @@ namespace equilux {
 namespace {
 
 using testing::HasSubstr;
-
-// For a screen of 1280 x 1024. The block of three pictures and question is 510 or 930 pixels high, in the
-// middle.
-constexpr ScreenPlan kSmallPlan{280, 210, {352, 557}, {648, 557}, {500, 257}, 467, 557, {}};
-constexpr ScreenPlan kPaperPlan{560, 420, {72, 557}, {648, 557}, {360, 47}, 467, 557, {}};
-
-class AppTest : public testing::Test {
- protected:
-  StudyFolder make_study(const ScreenPlan& plan) {
-    return make_small_study(folder_.path() / "study", plan.picture_width, plan.picture_height);
-  }
-  static std::vector<std::string> arguments_for(const StudyFolder& folder, const std::string& experiment) {
-    return {folder.root.string(), "--experiment", experiment, "--participant", "P01"};
-  }
-
-  TemporaryFolder folder_;
-};
 
 // Showings of a trial in the log.
 int count_showings(const StudyFolder& folder, std::int64_t session, int trial) {
@@ -44,22 +26,6 @@ int count_showings(const StudyFolder& folder, std::int64_t session, int trial) {
 std::string last_abort(const StudyFolder& folder) {
   return RawDatabase(folder.responses())
       .value("SELECT detail FROM event WHERE kind = 'abort' ORDER BY id DESC LIMIT 1");
-}
-
-// Sides that do not depend on what is right.
-Side choose_side(int trial) { return trial % 3 == 0 ? Side::kRight : Side::kLeft; }
-
-// Answers the trials from `first` to `end`, clicks and keys in turn.
-void answer_all(WatchedSession& session, const std::vector<TrialRow>& trials, int first, int end) {
-  for (int i = first; i < end; ++i) {
-    session.wait_for_trial(trials[static_cast<std::size_t>(i)]);
-    if (testing::Test::HasFatalFailure()) return;
-    if (i % 2 == 0) {
-      session.answer_by_click(choose_side(i));
-    } else {
-      session.answer_by_key(choose_side(i));
-    }
-  }
 }
 
 void expect_answered(const std::vector<TrialRow>& trials, int first, int end) {
@@ -422,150 +388,6 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), HasSubstr("G0-MS-ind-ref-v0.png: expected the digest"));
   EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
-}
-
-// A protocol with everything in it: what it asks for comes in order, and is in the log afterwards.
-constexpr const char* kWholeProtocol = R"({
-  "schema": "equilux-session", "schema_version": 1,
-  "consent": {"version": "7", "text": ["This is what you are asked to agree to.", "You may stop at any time."]},
-  "questions": {"acuity": "required", "age_band": "optional", "ambient_light": "optional"},
-  "familiarisation": {"objects": true, "examples": 1, "practice_trials": 2},
-  "breaks": {"every_trials": 6}, "least_response_ms": 30, "catch_trials": {"count": 2, "pass": 1}
-})";
-
-void write_protocol(const StudyFolder& folder) { std::ofstream(folder.session()) << kWholeProtocol; }
-
-// A page after an answer takes no press for .3 s.
-void wait_out_page_guard() { std::this_thread::sleep_for(std::chrono::milliseconds(500)); }
-
-TEST_F(AppTest, AWholeProtocolLeadsFromConsentToThanks) {
-  const StudyFolder folder = make_study(kPaperPlan);
-  write_protocol(folder);
-  XDisplay display;
-  WatchedSession session(display, folder, kPaperPlan, arguments_for(folder, "artifact"));
-  session.wait_for_page("protocol-consent");
-  ASSERT_FALSE(HasFatalFailure());
-  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
-  display.type_key("Return");
-  session.wait_for_page("protocol-questions");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  session.wait_for_error("protocol-question-missing");  // acuity is required
-  ASSERT_FALSE(HasFatalFailure());
-  display.click(274, 441);  // "well, without glasses or lenses"
-  session.wait_for_page("protocol-question-answered");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
-  session.wait_for_page("protocol-instructions");
-  ASSERT_FALSE(HasFatalFailure());
-  const auto trials = session.load_trials(id);
-  ASSERT_EQ(trials.size(), 2U + 2U + kSmallArtifactTrials);
-  for (const char* name : {"protocol-object", "", "protocol-example", "protocol-practice"}) {
-    display.type_key("space");
-    session.wait_for_page(name);
-    ASSERT_FALSE(HasFatalFailure());
-  }
-  display.type_key("space");
-  for (std::size_t i = 0; i < 2; ++i) {
-    session.wait_for_trial(trials[i]);
-    ASSERT_FALSE(HasFatalFailure());
-    const bool right = i == 0;
-    session.answer_by_key((trials[i].test_side == Side::kLeft) == right ? Side::kLeft : Side::kRight);
-    session.wait_for_page(right ? "protocol-feedback-right" : "protocol-feedback-wrong");
-    ASSERT_FALSE(HasFatalFailure());
-    wait_out_page_guard();
-    display.type_key("space");
-  }
-  session.wait_for_page("protocol-main");
-  ASSERT_FALSE(HasFatalFailure());
-  wait_out_page_guard();
-  display.type_key("space");
-  answer_all(session, trials, 2, 8);
-  session.wait_for_page("protocol-break");
-  ASSERT_FALSE(HasFatalFailure());
-  wait_out_page_guard();
-  display.type_key("space");
-  answer_all(session, trials, 8, 12);
-  session.wait_for_page("protocol-thanks");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("F3");
-  session.wait_for_page("protocol-summary");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  EXPECT_EQ(session.program().wait(), 0);
-  EXPECT_THAT(session.program().read_output(), HasSubstr("10 of 10 answers"));
-  EXPECT_THAT(session.program().read_output(), HasSubstr("Catch trials"));
-  const TrialLog log(folder.responses());
-  const SessionRow row = log.load_sessions().back();
-  EXPECT_TRUE(row.complete);
-  EXPECT_EQ(row.fields.at("consent_version"), "7");
-  EXPECT_FALSE(row.fields.at("gl_renderer").empty());
-  EXPECT_EQ(row.fields.at("acuity"), "normal");
-  EXPECT_FALSE(row.fields.contains("age_band"));
-  EXPECT_EQ(log.load_answers(SubjectKind::kPerson, Experiment::kArtifact).size(),
-            static_cast<std::size_t>(kSmallArtifactTrials));
-}
-
-int count_resumes(const StudyFolder& folder, std::int64_t session) {
-  int count = 0;
-  for (const EventRow& event : TrialLog::load_snapshot(folder.responses()).load_events(session))
-    count += event.kind == "resume" ? 1 : 0;
-  return count;
-}
-
-// Who has agreed and was asked is asked neither again.
-TEST_F(AppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
-  const StudyFolder folder = make_study(kSmallPlan);
-  write_protocol(folder);
-  XDisplay display;
-  std::int64_t id = 0;
-  {
-    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
-    session.wait_for_page("");
-    ASSERT_FALSE(HasFatalFailure());
-    display.type_key("Return");
-    session.wait_for_page("");
-    ASSERT_FALSE(HasFatalFailure());
-    display.click(274, 441);
-    session.wait_for_page("");
-    ASSERT_FALSE(HasFatalFailure());
-    display.type_key("Return");
-    id = session.wait_for_session(Experiment::kArtifact);
-    session.program().send_signal(SIGKILL);
-    ASSERT_TRUE(session.program().wait());
-  }
-  // Found again on the start screen, then the set-up screen.
-  WatchedSession session(display, folder, kSmallPlan, {folder.root.string()});
-  session.wait_for_page("start-interrupted");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("F4");
-  display.type_key("Return");
-  session.wait_for_error("setup-interrupted");  // it has remarks, the start screen has none
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  EXPECT_TRUE(wait_until([&] { return count_resumes(folder, id) == 1; })) << session.program().read_output();
-  EXPECT_EQ(TrialLog::load_snapshot(folder.responses()).load_sessions().size(), 1U);
-  session.wait_for_page("");
-  display.close_windows();
-  EXPECT_EQ(session.program().wait(), 0);
-  EXPECT_THAT(session.program().read_output(), HasSubstr("resume: 1"));
-}
-
-TEST_F(AppTest, WhoDeclinesLeavesNoTrace) {
-  const StudyFolder folder = make_study(kSmallPlan);
-  write_protocol(folder);
-  XDisplay display;
-  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
-  session.wait_for_page("");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("BackSpace");
-  session.wait_for_page("protocol-declined");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  EXPECT_EQ(session.program().wait(), 0);
-  EXPECT_THAT(session.program().read_output(), HasSubstr("does not take part"));
-  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 // A planted subject in front of the real window: the log of the headless one, and a session as long as the
 // paper's.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "tests/e2e/child_process.h"
 #include "tests/e2e/x_display.h"
@@ -96,6 +100,89 @@ TEST_F(PlantedAppTest, MemoryStaysFlatOverALongSession) {
   EXPECT_LT(late, early + (std::size_t{8} << 20));
   ASSERT_EQ(app.wait(), 0) << app.read_output();
   EXPECT_THAT(app.read_output(), HasSubstr("484 of 484 answers"));
+}
+
+// As make_study, but all VPL pictures are one file of 6 MiB, slow to read, and all references a small one:
+// what is behind the end of a PNG belongs to its digest.
+StudyFolder make_uneven_study(const std::filesystem::path& root) {
+  constexpr int kWidth = 560, kHeight = 420;
+  const StudyFolder folder = make_fake_study(root, "pocket", 4, 3);
+  save_text(folder.session(), kProtocol);
+  Manifest manifest = load_manifest(folder.manifest());
+  manifest.width = kWidth;
+  manifest.height = kHeight;
+  save_png(make_fake_picture("small", kWidth, kHeight), root / "small.png");
+  save_text(root / "large.png", load_text(root / "small.png") + std::string(std::size_t{6} << 20, ' '));
+  for (auto& [key, record] : manifest.pictures) {
+    const bool is_reference = key.find("-ref-") != std::string::npos;
+    const auto source = root / (is_reference ? "small.png" : "large.png");
+    std::filesystem::remove(folder.root / record.file);
+    std::filesystem::create_hard_link(source, folder.root / record.file);
+    record.digest = digest_file(source);
+  }
+  save_manifest(manifest, folder.manifest());
+  return folder;
+}
+
+// From an answer to the next pair, where nothing came between, by the side of that pair's test picture.
+std::map<std::string, std::vector<double>> load_delays_ms(const StudyFolder& folder) {
+  std::map<std::string, std::vector<double>> delays;
+  std::optional<double> answered;
+  const auto events =
+      RawDatabase(folder.responses())
+          .query(
+              "SELECT kind, time_ns, test_side FROM event LEFT JOIN trial USING (session, trial)"
+              " ORDER BY event.id");
+  for (const auto& row : events) {
+    const double time = std::stod(row[1]) * 1e-6;
+    if (row[0] == "showing" && answered) delays[row[2]].push_back(time - *answered);
+    answered = row[0] == "answer" ? std::optional(time) : std::nullopt;
+  }
+  return delays;
+}
+
+// Of the rank sum of the first, about normal for many values. source: Mann and Whitney (1947)
+double find_rank_z(const std::vector<double>& first, const std::vector<double>& second) {
+  double wins = 0;
+  for (const double a : first) {
+    for (const double b : second) wins += a > b ? 1 : a == b ? 0.5 : 0;
+  }
+  const auto m = static_cast<double>(first.size()), n = static_cast<double>(second.size());
+  return (wins - m * n / 2) / std::sqrt(m * n * (m + n + 1) / 12);
+}
+
+double time_reading_ms(const std::filesystem::path& picture) {
+  double least = 1e9;
+  for (int turn = 0; turn < 5; ++turn) {
+    const auto start = std::chrono::steady_clock::now();
+    digest_file(picture);
+    load_png(picture);
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    least = std::min(least, took.count());
+  }
+  return least;
+}
+
+// A subject who never waits, so that the next pair is always still being read. A test picture reads slower
+// than its reference by far; were that to be seen in when a pair comes, it would be by a part of this time.
+TEST_F(PlantedAppTest, WhenAPairComesTellsNothingOfTheTestPicturesSide) {
+  constexpr double kMostZ = 3.9;  // p of 1e-4
+  const StudyFolder folder = make_uneven_study(folder_.path() / "uneven");
+  const double slower_ms =
+      time_reading_ms(folder.root / "large.png") - time_reading_ms(folder.root / "small.png");
+  ASSERT_GT(std::filesystem::file_size(folder.root / "large.png"),
+            100 * std::filesystem::file_size(folder.root / "small.png"));
+  ASSERT_GT(slower_ms, 1);
+  for (int subject = 0; subject < 6; ++subject) {
+    ChildProcess app = show(folder);
+    ASSERT_EQ(app.wait(), 0) << app.read_output();
+  }
+  auto delays = load_delays_ms(folder);
+  ASSERT_GT(delays["left"].size(), 80u);
+  ASSERT_GT(delays["right"].size(), 80u);
+  EXPECT_LT(std::abs(find_rank_z(delays["left"], delays["right"])), kMostZ);
+  for (double& delay : delays["left"]) delay += slower_ms;
+  EXPECT_GT(find_rank_z(delays["left"], delays["right"]), kMostZ) << "a tell would be found";
 }
 
 }  // namespace

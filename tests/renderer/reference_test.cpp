@@ -134,7 +134,7 @@ TEST(Reference, AMutantThatKeepsItsPilotIsCaught) {
 TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
   const Stage small(40, 1), large(80, 1);
   for (const NoiseTarget target :
-       {NoiseTarget{3, 6, 6}, NoiseTarget{1, 3, 2}, NoiseTarget{2, 4, 1.5}, NoiseTarget{2, 2.5, 1}}) {
+       {NoiseTarget{3, 6, 6}, NoiseTarget{1, 3, 2}, NoiseTarget{3, 6, 2.25}, NoiseTarget{4, 5, 2}}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const Stage& stage = target.object_mean == 3 ? large : small;
       const DisplayNoise noise = stage.noise(stage.trace(adaptive(target, seed)));
