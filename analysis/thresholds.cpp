@@ -10,6 +10,7 @@ namespace {
 
 std::vector<std::size_t> find_tested(const ColumnCounts& counts) {
   std::vector<std::size_t> tested;
+  tested.reserve(counts.size());
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i].count.n > 0) tested.push_back(i);
   }
@@ -120,21 +121,24 @@ std::string format_status(CutStatus status) {
 ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment experiment) {
   struct Pool {
     Count sum;
-    std::vector<std::size_t> members;
+    std::size_t members;  // neighbours among the tested levels
   };
+  const auto tested = find_tested(counts);
   std::vector<Pool> pools;
-  for (std::size_t i : find_tested(counts)) {
-    pools.push_back({counts[i].count, {i}});
+  pools.reserve(tested.size());
+  for (const std::size_t i : tested) {
+    pools.push_back({counts[i].count, 1});
     while (pools.size() > 1 && is_violation(pools[pools.size() - 2].sum, pools.back().sum, experiment)) {
       const Pool merged = pools.back();
       pools.pop_back();
       pools.back().sum = add(pools.back().sum, merged.sum);
-      pools.back().members.insert(pools.back().members.end(), merged.members.begin(), merged.members.end());
+      pools.back().members += merged.members;
     }
   }
   ColumnCounts pooled = counts;
+  auto member = tested.begin();
   for (const Pool& pool : pools) {
-    for (std::size_t i : pool.members) pooled[i].count = pool.sum;
+    for (std::size_t i = 0; i < pool.members; ++i) pooled[*member++].count = pool.sum;
   }
   return pooled;
 }

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <boost/random/beta_distribution.hpp>
 #include <cmath>
+#include <future>
 #include <numeric>
+#include <thread>
+#include <utility>
 
 #include "analysis/probability.h"
 #include "base/error.h"
@@ -56,6 +59,10 @@ class CutHistogram {
                                                     : 0];
   }
 
+  void add(const CutHistogram& other) {
+    for (std::size_t place = 0; place < counts_.size(); ++place) counts_[place] += other.counts_[place];
+  }
+
   std::optional<CutRange> find_range() const {
     const std::int64_t total = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0});
     if (total == 0) return std::nullopt;
@@ -102,6 +109,10 @@ class Share {
   void add(Resampled verdict) {
     all_ += verdict != Resampled::kUntested ? 1 : 0;
     true_ += verdict == Resampled::kExists ? 1 : 0;
+  }
+  void add(const Share& other) {
+    all_ += other.all_;
+    true_ += other.true_;
   }
   std::optional<double> get() const {
     if (all_ == 0) return std::nullopt;
@@ -191,44 +202,84 @@ std::vector<std::uint32_t> draw_subjects(std::size_t subjects, Experiment experi
   return weights;
 }
 
+// Of one column.
 struct ResampleSums {
   std::array<Share, 2> shares = {};
   std::vector<CutHistogram> artifact;  // shape: in order of kRules
   std::vector<CutHistogram> material;
+
+  void add(const ResampleSums& other) {
+    for (std::size_t r = 0; r < shares.size(); ++r) {
+      shares[r].add(other.shares[r]);
+      artifact[r].add(other.artifact[r]);
+      material[r].add(other.material[r]);
+    }
+  }
 };
 
-void add_resample(std::vector<ResampleSums>& sums, Uncertainty& result, std::vector<ColumnSlots>& columns,
-                  const std::vector<Count>& artifact, const std::vector<Count>& material) {
+// Of resamples one after another.
+struct ResampleRun {
+  std::vector<ResampleSums> columns;
+  std::array<std::vector<Resampled>, 2> verdicts;
+
+  void append(const ResampleRun& next) {
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].add(next.columns[c]);
+    for (std::size_t r = 0; r < verdicts.size(); ++r)
+      verdicts[r].insert(verdicts[r].end(), next.verdicts[r].begin(), next.verdicts[r].end());
+  }
+};
+
+void add_resample(ResampleRun& run, std::vector<ColumnSlots>& columns, const std::vector<Count>& artifact,
+                  const std::vector<Count>& material) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
     columns[c].artifact.fill(artifact);
     columns[c].material.fill(material);
+    ResampleSums& sums = run.columns[c];
     for (const Rule rule : kRules) {
       const auto r = static_cast<std::size_t>(rule);
       const Thresholds thresholds = judge(columns[c], rule);
-      result.resamples[r].push_back(judge_resample(thresholds));
-      sums[c].shares[r].add(result.resamples[r].back());
-      sums[c].artifact[r].add(thresholds.artifact, Experiment::kArtifact);
-      sums[c].material[r].add(thresholds.material, Experiment::kMaterial);
+      run.verdicts[r].push_back(judge_resample(thresholds));
+      sums.shares[r].add(run.verdicts[r].back());
+      sums.artifact[r].add(thresholds.artifact, Experiment::kArtifact);
+      sums.material[r].add(thresholds.material, Experiment::kMaterial);
     }
   }
 }
 
-std::vector<ResampleSums> resample(Uncertainty& result, std::vector<ColumnSlots> columns,
-                                   const ResponseMatrix& artifact, const ResponseMatrix& material,
-                                   const UncertaintyParams& params) {
-  std::vector<ResampleSums> sums;
+// Those from `first` to `end`.
+ResampleRun resample(std::vector<ColumnSlots> columns, const ResponseMatrix& artifact,
+                     const ResponseMatrix& material, std::uint64_t seed, int first, int end) {
+  ResampleRun run;
   for (const ColumnSlots& column : columns) {
     const std::vector<CutHistogram> empty(2, CutHistogram(column.levels));
-    sums.push_back({{}, empty, empty});
+    run.columns.push_back({{}, empty, empty});
   }
-  for (int number = 0; number < params.resamples; ++number) {
+  for (int number = first; number < end; ++number) {
     const auto counts = [&](const ResponseMatrix& matrix, Experiment experiment) {
-      return count_weighted(matrix, draw_subjects(matrix.subjects(), experiment, number, params.seed));
+      return count_weighted(matrix, draw_subjects(matrix.subjects(), experiment, number, seed));
     };
-    add_resample(sums, result, columns, counts(artifact, Experiment::kArtifact),
+    add_resample(run, columns, counts(artifact, Experiment::kArtifact),
                  counts(material, Experiment::kMaterial));
   }
-  return sums;
+  return run;
+}
+
+// On all cores: every resample has a stream of its own.
+ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const ResponseMatrix& artifact,
+                         const ResponseMatrix& material, const UncertaintyParams& params) {
+  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, params.resamples);
+  const auto begin_of = [&](int thread) {
+    return static_cast<int>(std::int64_t{params.resamples} * thread / threads);
+  };
+  std::vector<std::future<ResampleRun>> running;
+  for (int thread = 0; thread < threads; ++thread) {
+    running.push_back(std::async(std::launch::async, [&, thread] {
+      return resample(columns, artifact, material, params.seed, begin_of(thread), begin_of(thread + 1));
+    }));
+  }
+  ResampleRun all = running.front().get();
+  for (std::size_t thread = 1; thread < running.size(); ++thread) all.append(running[thread].get());
+  return all;
 }
 
 void take_sums(ColumnUncertainty& result, const ResampleSums& sums, bool artifact, bool material) {
@@ -312,9 +363,10 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
     if (columns[c].artifact.cells.empty() || columns[c].material.cells.empty()) continue;
     find_posterior(column, findings[c].column, columns[c], params);
   }
-  const std::vector<ResampleSums> sums = resample(result, columns, artifact, material, params);
+  ResampleRun run = resample_all(columns, artifact, material, params);
+  result.resamples = std::move(run.verdicts);
   for (std::size_t c = 0; c < columns.size(); ++c)
-    take_sums(result.columns[c], sums[c], artifact.subjects() > 1, material.subjects() > 1);
+    take_sums(result.columns[c], run.columns[c], artifact.subjects() > 1, material.subjects() > 1);
   find_flips(result.columns, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);
   find_flips(result.columns, columns, material, &ColumnSlots::material, &RuleUncertainty::material_flips);
   return result;
