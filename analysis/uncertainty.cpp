@@ -264,10 +264,11 @@ ResampleRun resample(std::vector<ColumnSlots> columns, const ResponseMatrix& art
   return run;
 }
 
-// On all cores: every resample has a stream of its own.
+// Side by side: every resample has a stream of its own.
 ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const ResponseMatrix& artifact,
                          const ResponseMatrix& material, const UncertaintyParams& params) {
-  const int threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, params.resamples);
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  const int threads = std::clamp(params.threads > 0 ? params.threads : cores, 1, params.resamples);
   const auto begin_of = [&](int thread) {
     return static_cast<int>(std::int64_t{params.resamples} * thread / threads);
   };

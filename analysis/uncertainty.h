@@ -12,11 +12,12 @@
 
 namespace equilux {
 
-/// Defaults of a report; all three stand in its outputs.
+/// Defaults of a report; the first three stand in its outputs.
 struct UncertaintyParams {
   std::uint64_t seed = 1;
   int posterior_draws = 2000;  ///< Monte Carlo error of a share: at most 0.011
   int resamples = 2000;        ///< of subjects
+  int threads = 0;  ///< at most; 0: as many as there are cores. What comes out does not depend on it.
 };
 
 /// Where a cut lies in the middle kIntervalLevel of the resamples, as places on the scale of clamp levels.

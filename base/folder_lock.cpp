@@ -24,8 +24,8 @@ FolderLock::~FolderLock() { ::close(descriptor_); }
 
 void check_not_busy(const FolderLock& lock, const std::filesystem::path& folder) {
   if (lock.is_busy())
-    throw InputError(folder.string(), "", "a folder that no other process writes",
-                     "one that another process is writing; wait for it, or stop it");
+    throw InputError(folder.string(), "", "a folder that nobody else writes",
+                     "one that is being written; wait for that, or stop it");
 }
 
 }  // namespace equilux

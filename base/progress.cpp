@@ -23,10 +23,10 @@ std::string format_seconds(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
 }
 
-Progress::Progress(std::string label, double total, JobControl* control)
+Progress::Progress(std::string label, double total)
     : label_(std::move(label)),
       total_(total),
-      control_(control),
+      control_(current_control()),
       is_terminal_(::isatty(STDERR_FILENO) != 0),
       exceptions_(std::uncaught_exceptions()),
       start_(std::chrono::steady_clock::now()) {}

@@ -5,23 +5,23 @@
 #include <mutex>
 #include <string>
 
-#include "base/job_control.h"
+#include "base/work_control.h"
 
 namespace equilux {
 
-/// Reports done / total on standard error, or to a control where there is one. Thread-safe. On a terminal one
-/// line is rewritten five times a second; elsewhere a line appears after two seconds and then when the share
-/// has grown by a tenth and ten seconds have gone, or five minutes have. The last line says how long it took:
-/// the total is an estimate, which may be missed by some percent.
+/// Reports done / total on standard error, or to the control of the thread that made it. Thread-safe. On a
+/// terminal one line is rewritten five times a second; elsewhere a line appears after two seconds and then
+/// when the share has grown by a tenth and ten seconds have gone, or five minutes have. The last line says
+/// how long it took: the total is an estimate, which may be missed by some percent.
 class Progress {
  public:
-  /// `total` in any unit of work whose cost is even. `control`, which may be null, outlives it.
-  Progress(std::string label, double total, JobControl* control = nullptr);
+  /// `total` in any unit of work whose cost is even.
+  Progress(std::string label, double total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Waits while the control holds the job. errors: JobCancelled
+  /// Waits while the control holds the work. errors: WorkCancelled
   void advance(double work);
   /// There is so much more to do (or less) than was said before.
   void expect_more(double work);
@@ -35,7 +35,7 @@ class Progress {
 
   std::string label_, what_;
   double total_;
-  JobControl* control_;
+  WorkControl* control_;
   double done_ = 0;
   bool is_terminal_;
   int exceptions_;  ///< in flight at the start

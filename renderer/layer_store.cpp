@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "base/work_control.h"
 #include "renderer/isa.h"
 
 namespace equilux {
@@ -40,6 +41,7 @@ LayerStore::LayerStore(StudyFolder folder, const Study& study)
 }
 
 bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
+  check_control();  // a set has thousands to read
   const auto found = layers_.by_name.find(name);
   if (found == layers_.by_name.end() || found->second.made_from != recipe) return false;
   if (whole_.contains(name)) return true;

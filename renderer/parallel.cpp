@@ -11,6 +11,7 @@
 #include <tbb/parallel_sort.h>
 #include <thread>
 
+#include "base/work_control.h"
 #include "renderer/world.h"
 
 namespace equilux {
@@ -21,10 +22,14 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::exception_ptr failure;
+  WorkControl* const control = current_control();
   const auto work = [&] {
     flush_denormals();
     try {
-      for (std::size_t i = next++; i < count; i = next++) body(i);
+      for (std::size_t i = next++; i < count; i = next++) {
+        if (control) control->check();
+        body(i);
+      }
     } catch (...) {
       const std::lock_guard lock(mutex);
       failure = std::current_exception();
@@ -39,11 +44,15 @@ void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>
 void sort_parallel(LargeArray<KeyedIndex>& values) { std::sort(values.begin(), values.end()); }
 #else
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body) {
+  WorkControl* const control = current_control();
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, count, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
         flush_denormals();
-        for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          if (control) control->check();
+          body(i);
+        }
       },
       tbb::simple_partitioner());
 }

@@ -12,7 +12,8 @@
 
 namespace equilux {
 
-/// Calls body(0) .. body(count - 1), each once, on all threads, with denormals flushed.
+/// Calls body(0) .. body(count - 1), each once, on all threads, with denormals flushed. errors: those of the
+/// body; WorkCancelled where this thread's work is controlled
 void for_each_parallel(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// A sort key and what it stands for.

@@ -20,48 +20,65 @@ void refuse_change(const StudyFolder& folder, const std::string& what) {
 
 PictureStore::PictureStore(StudyFolder folder, const Study& study)
     : folder_(std::move(folder)), locked_(has_sessions(folder_)) {
-  if (path_exists(folder_.manifest())) manifest_ = load_manifest(folder_.manifest());
+  if (path_exists(folder_.manifest())) take_earlier(study);
   manifest_.study_name = study.name;
   manifest_.study_digest = study.digest;
   manifest_.seed = study.seed;
   manifest_.width = study.width;
   manifest_.height = study.height;
   manifest_.noise_target = study.noise_target;
-  drop_others(study);
 }
 
-std::optional<PictureRecord> PictureStore::find(const std::string& key) const {
+void PictureStore::take_earlier(const Study& study) {
+  Manifest found = load_manifest(folder_.manifest());
+  std::set<std::string> known;
+  for (const Condition& condition : enumerate_conditions(study)) known.insert(format_key(condition));
+  for (const Family& family : enumerate_references(study)) known.insert(format_key(family));
+  std::erase_if(found.pictures, [&](const auto& entry) { return !known.contains(entry.first); });
+  std::erase_if(found.tones, [&](const auto& entry) { return !known.contains(entry.first); });
+  if (found.study_digest == study.digest) {
+    manifest_ = std::move(found);
+  } else {
+    earlier_ = std::move(found.pictures);
+  }
+}
+
+const PictureRecord* PictureStore::find(const std::string& key) const {
+  for (const Records* records : {&manifest_.pictures, &earlier_}) {
+    const auto found = records->find(key);
+    if (found != records->end()) return &found->second;
+  }
+  return nullptr;
+}
+
+bool PictureStore::keep(const std::string& key, const PictureRecord& wanted) {
+  PictureRecord record;
+  {
+    const std::lock_guard lock(mutex_);
+    const PictureRecord* found = find(key);
+    if (!found || found->made_from != wanted.made_from) return false;
+    record = *found;
+  }
+  const std::filesystem::path path = folder_.root / record.file;
+  if (!is_file(path) || digest_file(path) != record.digest) return false;
   const std::lock_guard lock(mutex_);
-  const auto found = manifest_.pictures.find(key);
-  return found == manifest_.pictures.end() ? std::nullopt : std::optional(found->second);
+  manifest_.pictures[key] = {record.file,           record.digest,    wanted.made_from,
+                             wanted.standard_error, wanted.reference, wanted.vpls};
+  return true;
 }
 
-bool PictureStore::is_whole(const std::string& key, const std::string& made_from) const {
-  const auto found = find(key);
-  if (!found || found->made_from != made_from) return false;
-  const std::filesystem::path path = folder_.root / found->file;
-  return is_file(path) && digest_file(path) == found->digest;
-}
-
-void PictureStore::save(const std::string& key, const std::string& made_from, const LdrImage& picture) {
+void PictureStore::save(const std::string& key, PictureRecord wanted, const LdrImage& picture) {
   const std::string bytes = encode_png(picture);
-  const std::string digest = digest_text(bytes);
-  const auto found = find(key);
-  if (locked_ && found && found->digest != digest) refuse_change(folder_, "another " + key);
-  const std::string file = "pictures/" + key + ".png";
-  save_text(folder_.root / file, bytes);
+  wanted.digest = digest_text(bytes);
+  wanted.file = "pictures/" + key + ".png";
+  if (locked_) {
+    const std::lock_guard lock(mutex_);
+    const PictureRecord* found = find(key);
+    if (found && found->digest != wanted.digest) refuse_change(folder_, "another " + key);
+  }
+  save_text(folder_.root / wanted.file, bytes);
   const std::lock_guard lock(mutex_);
-  manifest_.pictures[key] = {file, digest, made_from, {}, {}, {}};
-}
-
-void PictureStore::set_error(const std::string& key, Json standard_error, Json reference) {
-  PictureRecord& record = manifest_.pictures.at(key);
-  record.standard_error = std::move(standard_error);
-  record.reference = std::move(reference);
-}
-
-void PictureStore::set_vpls(const std::string& key, Json vpls) {
-  manifest_.pictures.at(key).vpls = std::move(vpls);
+  manifest_.pictures[key] = std::move(wanted);
 }
 
 void PictureStore::set_tone(const std::string& reference_key, const ToneRecord& tone) {
@@ -69,13 +86,5 @@ void PictureStore::set_tone(const std::string& reference_key, const ToneRecord& 
 }
 
 void PictureStore::save_record() const { save_manifest(manifest_, folder_.manifest()); }
-
-void PictureStore::drop_others(const Study& study) {
-  std::set<std::string> known;
-  for (const Condition& condition : enumerate_conditions(study)) known.insert(format_key(condition));
-  for (const Family& family : enumerate_references(study)) known.insert(format_key(family));
-  std::erase_if(manifest_.pictures, [&](const auto& entry) { return !known.contains(entry.first); });
-  std::erase_if(manifest_.tones, [&](const auto& entry) { return !known.contains(entry.first); });
-}
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 // another.
 #pragma once
 
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -18,21 +19,19 @@ bool has_sessions(const StudyFolder& folder);
 /// errors: always InputError: `what` would change the pictures of a folder with sessions.
 [[noreturn]] void refuse_change(const StudyFolder& folder, const std::string& what);
 
+/// Its manifest holds pictures of today's study alone, at any moment: those of an earlier run of the same
+/// study, and those that were kept or saved since. `keep` and `save` are thread-safe beside each other.
 class PictureStore {
  public:
   /// Opens what an earlier run left; records of pictures that the study does not have are dropped.
   PictureStore(StudyFolder folder, const Study& study);
 
-  /// True if the picture is on disk as recorded and was made from this. Thread-safe beside save.
-  bool is_whole(const std::string& key, const std::string& made_from) const;
+  /// True if the picture is on disk as recorded and was made from what `wanted` says; then its record says
+  /// the rest of `wanted` too, which has no file and no digest.
+  bool keep(const std::string& key, const PictureRecord& wanted);
 
-  /// Thread-safe. errors: InputError if the picture may have been shown and is another now; StoreError.
-  void save(const std::string& key, const std::string& made_from, const LdrImage& picture);
-
-  /// What the record of a reference that is there says of its error, and how it was made.
-  void set_error(const std::string& key, Json standard_error, Json reference);
-  /// The same of a VPL picture.
-  void set_vpls(const std::string& key, Json vpls);
+  /// errors: InputError if the picture may have been shown and is another now; StoreError.
+  void save(const std::string& key, PictureRecord wanted, const LdrImage& picture);
 
   void set_tone(const std::string& reference_key, const ToneRecord& tone);
 
@@ -40,13 +39,16 @@ class PictureStore {
   void save_record() const;
 
  private:
-  void drop_others(const Study& study);
-  std::optional<PictureRecord> find(const std::string& key) const;
+  using Records = std::map<std::string, PictureRecord>;
+
+  void take_earlier(const Study& study);
+  const PictureRecord* find(const std::string& key) const;
 
   StudyFolder folder_;
   bool locked_;
   Manifest manifest_;
-  mutable std::mutex mutex_;  ///< of the records
+  Records earlier_;   ///< of a run of another version of the study: they may still be whole
+  std::mutex mutex_;  ///< of the records
 };
 
 }  // namespace equilux

@@ -434,7 +434,7 @@ void render_group(const GroupJob& job, const WorldKey& key, const Wanted& missin
 }  // namespace
 
 double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
-                     WorkLog& log, JobControl* control, std::map<std::string, double>& seconds) {
+                     WorkLog& log, std::map<std::string, double>& seconds) {
   const Study& study = recipes.study;
   const auto groups = group_layers(missing);
   std::map<WorldKey, World> worlds;
@@ -448,7 +448,7 @@ double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& m
     }
   }
   const double work = sum_work(list_work(costs, missing));
-  Progress progress("rendering", work, control);
+  Progress progress("rendering", work);
   WorkCounts counts{missing.families.size(), missing.conditions.size()};
   for (const auto& [key, group] : groups) {
     const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds, log, counts};

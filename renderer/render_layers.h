@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/job_control.h"
 #include "protocols/study.h"
 #include "renderer/layer_store.h"
 #include "renderer/timing.h"
@@ -17,8 +16,8 @@ namespace equilux {
 
 /// Renders what is missing, whose conditions are not normalised; each layer is recorded as soon as it is
 /// whole, and each product is logged. Adds to the seconds by stage, and gives the work as it was foreseen.
-/// units: paths; errors: JobCancelled by the control, which may be null
+/// units: paths; errors: WorkCancelled
 double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
-                     WorkLog& log, JobControl* control, std::map<std::string, double>& seconds);
+                     WorkLog& log, std::map<std::string, double>& seconds);
 
 }  // namespace equilux

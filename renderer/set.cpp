@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/folder_lock.h"
+#include "base/work_control.h"
 #include "protocols/session_protocol.h"
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
@@ -107,7 +108,7 @@ class SetMaker {
     }
     timing_.seconds["checking"] = seconds_since(start);
     complete_layers(own, store);
-    if (!params_.job) tonemap_wanted(study_, own, store, wanted_, params_.control, summary_);
+    if (!params_.job) tonemap_wanted(study_, own, store, wanted_, summary_);
     tell_times(own);
     return std::move(summary_);
   }
@@ -179,7 +180,12 @@ class SetMaker {
     summary_.layers_rendered =
         missing.families.size() * std::size(kFamilyContents) + missing.conditions.size();
     WorkLog log(own);
-    timing_.work = render_layers(recipes_, scene_, missing, store, log, params_.control, timing_.seconds);
+    try {
+      timing_.work = render_layers(recipes_, scene_, missing, store, log, timing_.seconds);
+    } catch (const WorkCancelled&) {
+      store.save_record();
+      throw;
+    }
   }
 
   void tell_times(const StudyFolder& own) {
@@ -216,7 +222,7 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const LayerStore store(folder, study);
   SetSummary summary;
   summary.target = study.noise_target;
-  tonemap_wanted(study, folder, store, enumerate_wanted(study, only), nullptr, summary);
+  tonemap_wanted(study, folder, store, enumerate_wanted(study, only), summary);
   return summary;
 }
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "base/job_control.h"
 #include "protocols/study.h"
 #include "renderer/cut_error.h"
 #include "renderer/jobs.h"
@@ -22,7 +21,6 @@ struct SetParams {
   std::optional<JobShare> job = {};               ///< this share alone, into a folder of its own; no pictures
   std::vector<std::filesystem::path> reuse = {};  ///< study folders whose layers may be taken over
   bool render = true;                             ///< false: only gather, and refuse what is still missing
-  JobControl* control = nullptr;                  ///< of whoever watches from another thread; may be null
 };
 
 /// What a run did. units: s
@@ -43,7 +41,7 @@ struct SetSummary {
 /// Gathers what shares have left, renders what is missing, then tone-maps. What is whole on disk and made
 /// from the same is kept; a run that was stopped goes on. Where the folder holds sessions, a picture that may
 /// have been shown is never changed. A share stays in its folder in DIR/jobs until it is gathered. errors:
-/// InputError, StoreError; JobCancelled, and what is whole is kept
+/// InputError, StoreError; WorkCancelled where this thread's work is controlled: what is whole is kept
 SetSummary make_set(const SetParams& params);
 
 /// Tone-maps the layers of a folder again, by its own study file. errors: InputError if a layer is missing.

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/work_control.h"
 #include "renderer/compose.h"
 #include "renderer/parallel.h"
 #include "renderer/picture_store.h"
@@ -18,7 +19,7 @@
 namespace equilux {
 namespace {
 
-constexpr std::chrono::seconds kRecordEvery{5};  // a run that is killed loses no more
+constexpr std::chrono::seconds kRecordEvery{5};  // and the family after it: what a run that is killed loses
 
 Json make_json(const DisplayNoise& noise) {
   Json json;
@@ -101,18 +102,23 @@ void warn_of_check(const Json& reference, const std::string& key, SetSummary& su
   }
 }
 
-// A picture of a family: its place in the manifest, what it is made from, and its object's indirect light.
+// A picture of a family: what its record says but for its file, and its object's indirect light.
 struct WantedPicture {
-  std::string key, made_from;
+  std::string key;
+  PictureRecord record;
   std::function<HdrImage()> make_indirect;
 };
 
 std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const LayerStore& store,
                                          const Family& family, const std::vector<Condition>& conditions) {
-  std::vector<WantedPicture> pictures{
-      {format_key(family), digest_reference(loaded), [&] { return loaded.indirect; }}};
+  const Json& reference = store.record(layer_name(family, "indirect")).reference;
+  std::vector<WantedPicture> pictures{{format_key(family),
+                                       {"", "", digest_reference(loaded), make_json(loaded.noise), reference},
+                                       [&] { return loaded.indirect; }}};
   for (const Condition& condition : conditions) {
-    pictures.push_back({format_key(condition), digest_picture(loaded, store, condition),
+    const Json vpls = tell_vpls(store, vpl_layer_name(condition));
+    pictures.push_back({format_key(condition),
+                        {"", "", digest_picture(loaded, store, condition), {}, {}, vpls},
                         [&] { return load_vpl_layer(store, condition); }});
   }
   return pictures;
@@ -124,8 +130,8 @@ std::size_t write_pictures(const LoadedFamily& loaded, const std::vector<WantedP
   std::atomic<std::size_t> written = 0;
   for_each_parallel(wanted.size(), [&](std::size_t i) {
     const WantedPicture& picture = wanted[i];
-    if (!pictures.is_whole(picture.key, picture.made_from)) {
-      pictures.save(picture.key, picture.made_from, compose_picture(loaded, picture.make_indirect()));
+    if (!pictures.keep(picture.key, picture.record)) {
+      pictures.save(picture.key, picture.record, compose_picture(loaded, picture.make_indirect()));
       ++written;
     }
     progress.advance(1);
@@ -140,25 +146,16 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   const std::string key = format_key(family);
   summary.noise[key] = loaded.noise;
   warn_of_emptiness(loaded, key, summary);
+  warn_of_check(store.record(layer_name(family, "indirect")).reference, key, summary);
   pictures.set_tone(key, loaded.tone.record);
   const auto wanted = list_pictures(loaded, store, family, conditions);
   summary.pictures += wanted.size();
   summary.pictures_written += write_pictures(loaded, wanted, pictures, progress);
-  const Json& reference = store.record(layer_name(family, "indirect")).reference;
-  pictures.set_error(key, make_json(loaded.noise), reference);
-  warn_of_check(reference, key, summary);
-  for (const Condition& condition : conditions)
-    pictures.set_vpls(format_key(condition), tell_vpls(store, vpl_layer_name(condition)));
 }
 
-}  // namespace
-
-void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerStore& store,
-                    const Wanted& wanted, JobControl* control, SetSummary& summary) {
-  const Stopwatch watch(summary.seconds["pictures"]);
-  PictureStore pictures(folder, study);
-  Progress progress("pictures", static_cast<double>(wanted.families.size() + wanted.conditions.size()),
-                    control);
+void tonemap_families(const Study& study, const LayerStore& store, const Wanted& wanted,
+                      PictureStore& pictures, SetSummary& summary) {
+  Progress progress("pictures", static_cast<double>(wanted.families.size() + wanted.conditions.size()));
   auto recorded = std::chrono::steady_clock::now();
   for (const Family& family : wanted.families) {
     std::vector<Condition> conditions;
@@ -169,6 +166,20 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
     if (std::chrono::steady_clock::now() - recorded < kRecordEvery) continue;
     pictures.save_record();
     recorded = std::chrono::steady_clock::now();
+  }
+}
+
+}  // namespace
+
+void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerStore& store,
+                    const Wanted& wanted, SetSummary& summary) {
+  const Stopwatch watch(summary.seconds["pictures"]);
+  PictureStore pictures(folder, study);
+  try {
+    tonemap_families(study, store, wanted, pictures, summary);
+  } catch (const WorkCancelled&) {
+    pictures.save_record();
+    throw;
   }
   pictures.save_record();
   pool_errors(store, wanted.conditions, summary);

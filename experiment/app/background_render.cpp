@@ -2,10 +2,13 @@
 #include "experiment/app/background_render.h"
 
 #include <atomic>
-#include <fmt/format.h>
+#include <new>
 #include <sys/resource.h>
+#include <system_error>
 #include <thread>
 
+#include "base/error.h"
+#include "base/work_control.h"
 #include "renderer/set.h"
 
 namespace equilux {
@@ -18,39 +21,40 @@ void be_nice() { ::setpriority(PRIO_PROCESS, 0, kNiceness); }
 
 }  // namespace
 
-// Its thread writes outcome and line, and is over then.
-struct BackgroundRender::Job {
-  Job(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
+bool is_active(RenderState state) {
+  return state == RenderState::kRunning || state == RenderState::kPaused || state == RenderState::kCancelling;
+}
+
+// Its thread writes the outcome, and is over then.
+struct BackgroundRender::Run {
+  Run(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
     params.study_path = study_file;
     params.folder = folder;
-    params.control = &control;
     control.tell("starting");
-    thread = std::jthread([this] { run(); });
+    thread = std::jthread([this] { outcome = make(); });
   }
 
-  void run() {
+  RenderState make() {
     be_nice();
-    RenderState outcome = RenderState::kDone;
+    const ControlledWork work(control);
     try {
       const SetSummary summary = make_set(params);
       control.tell(
           fmt::format("{} pictures, {} of them made now", summary.pictures, summary.pictures_written));
-    } catch (const JobCancelled&) {
-      outcome = RenderState::kCancelled;
+      return RenderState::kDone;
+    } catch (const WorkCancelled&) {
+      return RenderState::kCancelled;
     } catch (const std::bad_alloc&) {
-      outcome = RenderState::kFailed;
       control.tell("out of memory");
     } catch (const std::exception& error) {
-      outcome = RenderState::kFailed;
       control.tell(error.what());
     }
-    state = outcome;
+    return RenderState::kFailed;
   }
 
-  JobControl control;
+  WorkControl control;
   SetParams params;
-  std::atomic<RenderState> state = RenderState::kRunning;
-  bool is_cancelled = false;
+  std::atomic<RenderState> outcome = RenderState::kRunning;
   std::jthread thread;  // ends before what it uses
 };
 
@@ -59,41 +63,45 @@ BackgroundRender::BackgroundRender() = default;
 BackgroundRender::~BackgroundRender() { cancel(); }
 
 void BackgroundRender::start(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
-  if (job_) {
-    if (job_->is_cancelled) wanted_.emplace(study_file, folder);
+  if (run_) {
+    if (state_ == RenderState::kCancelling) wanted_.emplace(study_file, folder);
     return;
   }
-  job_ = std::make_unique<Job>(study_file, folder);
+  try {
+    run_ = std::make_unique<Run>(study_file, folder);
+  } catch (const std::system_error& error) {
+    throw StoreError(fmt::format("cannot start a thread: {}", error.what()));
+  }
   state_ = RenderState::kRunning;
-  line_ = job_->control.line();
+  line_ = run_->control.line();
 }
 
 void BackgroundRender::pause() {
   if (state_ != RenderState::kRunning) return;
-  job_->control.pause();
+  run_->control.pause();
   state_ = RenderState::kPaused;
 }
 
 void BackgroundRender::resume() {
   if (state_ != RenderState::kPaused) return;
-  job_->control.resume();
+  run_->control.resume();
   state_ = RenderState::kRunning;
 }
 
 void BackgroundRender::cancel() {
-  if (!job_) return;
-  job_->is_cancelled = true;
   wanted_.reset();
-  job_->control.cancel();
+  if (!run_) return;
+  run_->control.cancel();
+  state_ = RenderState::kCancelling;
 }
 
 RenderState BackgroundRender::poll() {
-  if (!job_) return state_;
-  const RenderState state = job_->state;
-  line_ = job_->control.line();
-  if (state == RenderState::kRunning) return state_;
-  state_ = state;
-  job_.reset();
+  if (!run_) return state_;
+  const RenderState outcome = run_->outcome;
+  line_ = run_->control.line();
+  if (outcome == RenderState::kRunning) return state_;
+  state_ = outcome;
+  run_.reset();
   if (const auto wanted = std::exchange(wanted_, std::nullopt)) start(wanted->first, wanted->second);
   return state_;
 }

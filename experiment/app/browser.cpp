@@ -96,16 +96,26 @@ class Browser {
     forget_pictures();
   }
 
+  // A picture that is being made anew, or was changed, ends no rendering.
+  void try_loading(const std::function<void()>& load) {
+    try {
+      load();
+    } catch (const InputError& error) {
+      message_ = error.what();
+    }
+  }
+
   // One of the grid's pictures a frame, so that the window stays quick. False when all are there.
   bool load_next_thumbnail() {
     const std::size_t levels = view_.study.clamp_levels.size(), number = thumbnails_.size();
     if (number == counts().size() * levels) return false;
     const std::string key = key_of(number / levels, number % levels);
     std::optional<Texture> texture;
-    if (has(key)) {
+    try_loading([&] {
+      if (!has(key)) return;
       const LdrImage image = load_picture(folder_, *view_.manifest, key);
       texture = Texture(make_thumbnail(image, std::max(1, image.width / kThumbnailWidth)));
-    }
+    });
     thumbnails_.push_back({key, std::move(texture)});
     return true;
   }
@@ -147,9 +157,7 @@ class Browser {
   void watch_render() {
     const RenderState before = render_state_;
     render_state_ = render_.poll();
-    const bool has_ended = before == RenderState::kRunning || before == RenderState::kPaused;
-    if (has_ended && render_state_ != RenderState::kRunning && render_state_ != RenderState::kPaused)
-      refresh();
+    if (is_active(before) && !is_active(render_state_)) refresh();
   }
 
   void draw() {
@@ -255,6 +263,8 @@ class Browser {
         return "P pauses, C cancels. " + render_.line();
       case RenderState::kPaused:
         return "Paused: R goes on, C cancels. " + render_.line();
+      case RenderState::kCancelling:
+        return "Cancelling. R renders anew after it.";
       case RenderState::kDone:
         return "Rendered. " + render_.line();
       case RenderState::kCancelled:
@@ -390,7 +400,9 @@ class Browser {
       shows_picture_ = false;
       return;
     }
-    if (shown_.empty()) load_shown(key, reference);
+    if (shown_.empty()) try_loading([&] { load_shown(key, reference); });
+    shows_picture_ = shown_.size() == 2;
+    if (!shows_picture_) return draw_grid();
     const Size size = window_.framebuffer();
     const int width = view_.manifest->width, height = view_.manifest->height;
     const bool is_reference = is_flipped_ && !shows_difference_;

@@ -277,6 +277,26 @@ TEST(Uncertainty, is_the_same_under_permutation_of_rows_and_of_subjects) {
   }
 }
 
+TEST(Uncertainty, is_the_same_on_any_number_of_threads) {
+  const Answered answered = from(make_planted_study("pocket", 12, 14, 6, 0.3));
+  const auto resample = [&](int threads) {
+    return find_uncertainty(answered.study, answered.find(), make_response_matrix(answered.artifact),
+                            make_response_matrix(answered.material), {3, 50, 101, threads});
+  };
+  const Uncertainty one = resample(1);
+  for (const int threads : {2, 3, 64}) {
+    const Uncertainty more = resample(threads);
+    EXPECT_EQ(more.resamples, one.resamples) << threads;
+    for (std::size_t c = 0; c < one.columns.size(); ++c) {
+      for (const Rule rule : kRules) {
+        EXPECT_EQ(more.columns[c].under(rule).bootstrap, one.columns[c].under(rule).bootstrap);
+        EXPECT_EQ(more.columns[c].under(rule).artifact_cut, one.columns[c].under(rule).artifact_cut);
+        EXPECT_EQ(more.columns[c].under(rule).material_cut, one.columns[c].under(rule).material_cut);
+      }
+    }
+  }
+}
+
 TEST(Uncertainty, depends_on_its_seed) {
   const Answered answered = from(make_planted_study("pocket", 12, 14, 6, 0.3));
   const auto first = answered.disturb({1, 200, 200}), second = answered.disturb({2, 200, 200});

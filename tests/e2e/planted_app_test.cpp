@@ -102,7 +102,7 @@ TEST_F(PlantedAppTest, MemoryStaysFlatOverALongSession) {
   EXPECT_THAT(app.read_output(), HasSubstr("484 of 484 answers"));
 }
 
-// As make_study, but all VPL pictures are one file of 6 MiB, slow to read, and all references a small one:
+// As make_study, but all VPL pictures are one file of 12 MiB, slow to read, and all references a small one:
 // what is behind the end of a PNG belongs to its digest.
 StudyFolder make_uneven_study(const std::filesystem::path& root) {
   constexpr int kWidth = 560, kHeight = 420;
@@ -112,7 +112,7 @@ StudyFolder make_uneven_study(const std::filesystem::path& root) {
   manifest.width = kWidth;
   manifest.height = kHeight;
   save_png(make_fake_picture("small", kWidth, kHeight), root / "small.png");
-  save_text(root / "large.png", load_text(root / "small.png") + std::string(std::size_t{6} << 20, ' '));
+  save_text(root / "large.png", load_text(root / "small.png") + std::string(std::size_t{12} << 20, ' '));
   for (auto& [key, record] : manifest.pictures) {
     const bool is_reference = key.find("-ref-") != std::string::npos;
     const auto source = root / (is_reference ? "small.png" : "large.png");
@@ -124,10 +124,12 @@ StudyFolder make_uneven_study(const std::filesystem::path& root) {
   return folder;
 }
 
-// From an answer to the next pair, where nothing came between, by the side of that pair's test picture.
-std::map<std::string, std::vector<double>> load_delays_ms(const StudyFolder& folder) {
-  std::map<std::string, std::vector<double>> delays;
-  std::optional<double> answered;
+// From one pair's onset to the next, where one answer alone came between: the next pair is read in this time.
+// By the side of the next pair's test picture.
+std::map<std::string, std::vector<double>> load_intervals_ms(const StudyFolder& folder) {
+  std::map<std::string, std::vector<double>> intervals;
+  std::optional<double> shown;
+  std::string before;
   const auto events =
       RawDatabase(folder.responses())
           .query(
@@ -135,10 +137,15 @@ std::map<std::string, std::vector<double>> load_delays_ms(const StudyFolder& fol
               " ORDER BY event.id");
   for (const auto& row : events) {
     const double time = std::stod(row[1]) * 1e-6;
-    if (row[0] == "showing" && answered) delays[row[2]].push_back(time - *answered);
-    answered = row[0] == "answer" ? std::optional(time) : std::nullopt;
+    if (row[0] == "showing") {
+      if (shown && before == "answer") intervals[row[2]].push_back(time - *shown);
+      shown = time;
+    } else if (row[0] != "answer") {
+      shown.reset();
+    }
+    before = row[0];
   }
-  return delays;
+  return intervals;
 }
 
 // Of the rank sum of the first, about normal for many values. source: Mann and Whitney (1947)
@@ -163,26 +170,28 @@ double time_reading_ms(const std::filesystem::path& picture) {
   return least;
 }
 
-// A subject who never waits, so that the next pair is always still being read. A test picture reads slower
-// than its reference by far; were that to be seen in when a pair comes, it would be by a part of this time.
+// A subject who answers at once, so that the next pair is not there before it has been read. Were it shown
+// with its left picture alone there, or its test picture read behind everything, the onset would tell the
+// side by the time that this picture takes more than its reference.
 TEST_F(PlantedAppTest, WhenAPairComesTellsNothingOfTheTestPicturesSide) {
   constexpr double kMostZ = 3.9;  // p of 1e-4
   const StudyFolder folder = make_uneven_study(folder_.path() / "uneven");
   const double slower_ms =
       time_reading_ms(folder.root / "large.png") - time_reading_ms(folder.root / "small.png");
-  ASSERT_GT(std::filesystem::file_size(folder.root / "large.png"),
-            100 * std::filesystem::file_size(folder.root / "small.png"));
   ASSERT_GT(slower_ms, 1);
   for (int subject = 0; subject < 6; ++subject) {
     ChildProcess app = show(folder);
     ASSERT_EQ(app.wait(), 0) << app.read_output();
   }
-  auto delays = load_delays_ms(folder);
-  ASSERT_GT(delays["left"].size(), 80u);
-  ASSERT_GT(delays["right"].size(), 80u);
-  EXPECT_LT(std::abs(find_rank_z(delays["left"], delays["right"])), kMostZ);
-  for (double& delay : delays["left"]) delay += slower_ms;
-  EXPECT_GT(find_rank_z(delays["left"], delays["right"]), kMostZ) << "a tell would be found";
+  auto intervals = load_intervals_ms(folder);
+  auto &left = intervals["left"], &right = intervals["right"];
+  ASSERT_GT(left.size(), 80u);
+  ASSERT_GT(right.size(), 80u);
+  for (const auto* side : {&left, &right})
+    EXPECT_GT(*std::min_element(side->begin(), side->end()), slower_ms) << "the next pair was read before";
+  EXPECT_LT(std::abs(find_rank_z(left, right)), kMostZ);
+  for (double& interval : left) interval += slower_ms;
+  EXPECT_GT(find_rank_z(left, right), kMostZ) << "a tell would be found";
 }
 
 }  // namespace

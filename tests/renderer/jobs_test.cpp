@@ -186,7 +186,7 @@ TEST(Set, ThatAnotherProcessWritesIsRefused) {
   EXPECT_FALSE(lock.is_busy());
   EXPECT_TRUE(FolderLock(study.folder() / "set").is_busy());
   EXPECT_THAT(message_of<InputError>([&] { make_set(params_of(study, "set")); }),
-              HasSubstr("expected a folder that no other process writes"));
+              HasSubstr("expected a folder that nobody else writes"));
   EXPECT_FALSE(path_exists(study.folder() / "set/study.json"));
 }
 

@@ -133,10 +133,11 @@ TEST(Reference, AMutantThatKeepsItsPilotIsCaught) {
 // a hundred depend on chance.
 TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
   const Stage small(40, 1), large(80, 1);
-  for (const NoiseTarget target :
-       {NoiseTarget{3, 6, 6}, NoiseTarget{1, 3, 2}, NoiseTarget{3, 6, 2.25}, NoiseTarget{4, 5, 2}}) {
+  const std::pair<NoiseTarget, const Stage*> cases[] = {
+      {{3, 6, 6}, &large}, {{1, 3, 2}, &small}, {{3, 6, 2.25}, &small}, {{4, 5, 2}, &small}};
+  for (const auto& [target, stage_of_it] : cases) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      const Stage& stage = target.object_mean == 3 ? large : small;
+      const Stage& stage = *stage_of_it;
       const DisplayNoise noise = stage.noise(stage.trace(adaptive(target, seed)));
       EXPECT_TRUE(meets_target(noise, target))
           << noise.object_mean << " " << noise.object_p99 << " " << noise.outside_mean;

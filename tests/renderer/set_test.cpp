@@ -2,15 +2,16 @@
 #include "renderer/set.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <fstream>
+#include <future>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <thread>
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "base/work_control.h"
 #include "renderer/isa.h"
 #include "renderer/parallel.h"
 #include "renderer/timing.h"
@@ -46,40 +47,93 @@ TEST(Set, GivesTheSameBytesOnOneTwoAndThreeThreadsAndInParts) {
   EXPECT_EQ(digest_products(study.folder() / "parts"), products[0]);
 }
 
-// A run that another thread pauses once it has made a layer, holds for a while, and cancels.
+// make_set in a thread of its own, under a control.
+class ControlledSet {
+ public:
+  explicit ControlledSet(SetParams params)
+      : params_(std::move(params)), thread_([this] { result_.set_value(make()); }) {}
+  ~ControlledSet() { control_.cancel(); }
+
+  WorkControl& control() { return control_; }
+  /// "", "cancelled", or what went wrong.
+  std::string wait() { return done_.get(); }
+  bool is_over() const { return done_.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
+
+ private:
+  std::string make() {
+    const ControlledWork work(control_);
+    try {
+      make_set(params_);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  SetParams params_;
+  WorkControl control_;
+  std::promise<std::string> result_;
+  std::future<std::string> done_ = result_.get_future();
+  std::jthread thread_;
+};
+
+std::ptrdiff_t count_layers(const fs::path& root) {
+  std::error_code gone;
+  return std::count_if(fs::directory_iterator(root / "layers", gone), fs::directory_iterator{},
+                       [](const auto& entry) { return entry.path().extension() == ".exr"; });
+}
+
 TEST(Set, ThatIsPausedMakesNothingAndCancelledKeepsWhatIsWhole) {
+  using namespace std::chrono_literals;
   const test::TinyStudy study;
   render(study, "whole");
   const fs::path root = study.folder() / "set";
-  const auto count_layers = [&] {
-    std::error_code gone;
-    return std::distance(fs::directory_iterator(root / "layers", gone), fs::directory_iterator{});
-  };
-  JobControl control;
-  std::atomic<bool> is_cancelled = false;
-  std::jthread job([&] {
-    try {
-      SetParams params{study.path(), root};
-      params.control = &control;
-      make_set(params);
-    } catch (const JobCancelled&) {
-      is_cancelled = true;
-    }
-  });
-  while (count_layers() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  control.pause();
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  const auto held = count_layers();
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  EXPECT_EQ(count_layers(), held);
-  EXPECT_THAT(control.line(), testing::HasSubstr("rendering: "));
-  control.cancel();
-  job.join();
-  EXPECT_TRUE(is_cancelled);
+  ControlledSet set({study.path(), root});
+  while (count_layers(root) == 0 && !set.is_over()) std::this_thread::sleep_for(1ms);
+  set.control().pause();
+  std::ptrdiff_t held = -1;  // what was being saved comes to its end
+  for (; held != count_layers(root); std::this_thread::sleep_for(1s)) held = count_layers(root);
+  EXPECT_FALSE(set.is_over());
+  EXPECT_THAT(set.control().line(), testing::HasSubstr("rendering: "));
+  set.control().cancel();
+  EXPECT_EQ(set.wait(), "cancelled");
   EXPECT_FALSE(fs::exists(root / "manifest.json"));
-  EXPECT_LT(count_layers(), 100);
+  EXPECT_EQ(count_layers(root), held);
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(load_layers(root / "layers.json").by_name.size()),
+            count_layers(root));
   render(study, "set");
   EXPECT_EQ(digest_products(root), digest_products(study.folder() / "whole"));
+}
+
+// A study is edited, and its new pictures are not all made when the run ends: those of the old one are on the
+// disk, and in no manifest of the new one.
+TEST(Set, CancelledAmongPicturesLeavesThoseOfTodaysStudyAlone) {
+  const test::TinyStudy first;
+  const fs::path root = first.folder() / "set";
+  render(first, "set");
+  std::size_t recorded = 0, all = 0;
+  for (std::uint64_t seed = 2; seed < 8 && recorded == all; ++seed) {
+    const test::TinyStudy edited(first.folder(), seed);
+    {
+      ControlledSet set({edited.path(), root});
+      while (!set.control().line().starts_with("pictures") && !set.is_over()) std::this_thread::yield();
+      set.control().cancel();
+      set.wait();
+    }
+    const Manifest left = load_manifest(root / "manifest.json");
+    EXPECT_EQ(left.study_digest, edited.load().digest);
+    const std::string whole = "whole" + std::to_string(seed);
+    render(edited, whole);
+    const Manifest wanted = load_manifest(first.folder() / whole / "manifest.json");
+    for (const auto& [key, record] : left.pictures) {
+      EXPECT_EQ(record.made_from, wanted.pictures.at(key).made_from) << key;
+      EXPECT_EQ(record.digest, digest_file(root / record.file)) << key;
+    }
+    recorded = left.pictures.size();
+    all = wanted.pictures.size();
+  }
+  EXPECT_GT(recorded, 0u);
+  EXPECT_LT(recorded, all) << "otherwise this test shows nothing";
 }
 
 // The check that every pair of a reference and its tests must pass; gives the first key that differs outside

@@ -16,7 +16,7 @@ namespace {
 RenderState wait_for_end(BackgroundRender& render) {
   for (;;) {
     const RenderState state = render.poll();
-    if (state != RenderState::kRunning && state != RenderState::kPaused) return state;
+    if (!is_active(state)) return state;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
@@ -53,6 +53,7 @@ TEST(BackgroundRender, WhenCancelledAndAtOnceWantedAgainBeginsAfterItsEnd) {
   render.start(study.path(), study.folder() / "set");
   render.pause();
   render.cancel();
+  EXPECT_EQ(render.poll(), RenderState::kCancelling);
   EXPECT_EQ(wait_for_end(render), RenderState::kCancelled);
   render.start(study.path(), study.folder() / "set");
   render.cancel();

@@ -1,5 +1,5 @@
 // Pausing, going on and cancelling a job from another thread, and hearing of it.
-#include "base/job_control.h"
+#include "base/work_control.h"
 
 #include <atomic>
 #include <chrono>
@@ -18,12 +18,12 @@ using namespace std::chrono_literals;
 // Threads that work piece by piece until they are cancelled.
 class Workers {
  public:
-  explicit Workers(JobControl& control) {
+  explicit Workers(WorkControl& control) {
     for (int i = 0; i < 3; ++i) {
       threads_.emplace_back([&] {
         try {
           for (;; ++pieces_) control.check();
-        } catch (const JobCancelled&) {
+        } catch (const WorkCancelled&) {
           ++cancelled_;
         }
       });
@@ -49,8 +49,8 @@ class Workers {
   std::vector<std::jthread> threads_;
 };
 
-TEST(JobControl, HoldsEveryThreadWhileItIsPausedAndEndsEachOnceItIsCancelled) {
-  JobControl control;
+TEST(WorkControl, HoldsEveryThreadWhileItIsPausedAndEndsEachOnceItIsCancelled) {
+  WorkControl control;
   Workers workers(control);
   EXPECT_TRUE(workers.works_within(5s));
   control.pause();
@@ -63,22 +63,23 @@ TEST(JobControl, HoldsEveryThreadWhileItIsPausedAndEndsEachOnceItIsCancelled) {
   EXPECT_EQ(workers.cancelled(), 3);
 }
 
-TEST(JobControl, CancelsAJobThatIsPausedAndKeepsItCancelled) {
-  JobControl control;
+TEST(WorkControl, CancelsAJobThatIsPausedAndKeepsItCancelled) {
+  WorkControl control;
   control.pause();
   Workers workers(control);
   control.cancel();
   workers.join();
   EXPECT_EQ(workers.cancelled(), 3);
   control.resume();
-  EXPECT_THROW(control.check(), JobCancelled);
+  EXPECT_THROW(control.check(), WorkCancelled);
 }
 
-TEST(JobControl, HearsOfProgressInPlaceOfStandardError) {
-  JobControl control;
+TEST(WorkControl, HearsOfProgressInPlaceOfStandardError) {
+  WorkControl control;
   testing::internal::CaptureStderr();
   {
-    Progress progress("rendering", 4, &control);
+    const ControlledWork work(control);
+    Progress progress("rendering", 4);
     progress.tell("backgrounds");
     progress.advance(1);
     EXPECT_THAT(control.line(), testing::MatchesRegex("rendering:  25 %, .* left; backgrounds"));
@@ -87,7 +88,7 @@ TEST(JobControl, HearsOfProgressInPlaceOfStandardError) {
     progress.advance(1);
     EXPECT_THAT(control.line(), testing::MatchesRegex("rendering:  50 %, .* left; cuts"));
     control.cancel();
-    EXPECT_THROW(progress.advance(1), JobCancelled);
+    EXPECT_THROW(progress.advance(1), WorkCancelled);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_THAT(control.line(), testing::HasSubstr("50 %"));

@@ -1,0 +1,72 @@
+// Parallel loops: every index once, errors, and the control of the thread that runs them.
+#include "renderer/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <thread>
+
+#include "base/work_control.h"
+
+namespace equilux {
+namespace {
+
+TEST(ParallelLoop, CallsItsBodyOnceForEachIndex) {
+  std::vector<std::atomic<int>> calls(1000);
+  for_each_parallel(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& count) { return count == 1; }));
+}
+
+TEST(ParallelLoop, ThrowsWhatItsBodyThrows) {
+  EXPECT_THROW(for_each_parallel(100,
+                                 [](std::size_t i) {
+                                   if (i == 7) throw std::runtime_error("seven");
+                                 }),
+               std::runtime_error);
+}
+
+TEST(ParallelLoop, IsEndedByTheControlOfItsThread) {
+  WorkControl control;
+  const ControlledWork work(control);
+  std::atomic<int> calls = 0;
+  EXPECT_THROW(for_each_parallel(100000,
+                                 [&](std::size_t) {
+                                   if (++calls == 10) control.cancel();
+                                 }),
+               WorkCancelled);
+  EXPECT_LT(calls, 1000);
+  EXPECT_THROW(check_control(), WorkCancelled);
+}
+
+TEST(ParallelLoop, IsHeldByTheControlOfItsThreadAndGoesOn) {
+  WorkControl control;
+  std::atomic<int> calls = 0;
+  std::jthread thread([&] {
+    const ControlledWork work(control);
+    for_each_parallel(2000, [&](std::size_t) {
+      if (++calls == 10) control.pause();
+    });
+  });
+  while (calls < 10) std::this_thread::yield();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const int held = calls;
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(calls, held);
+  EXPECT_LT(held, 2000);
+  control.resume();
+  thread.join();
+  EXPECT_EQ(calls, 2000);
+}
+
+TEST(ParallelLoop, OfAThreadThatNobodyWatchesIsUnderNoControl) {
+  WorkControl control;
+  control.cancel();
+  { const ControlledWork work(control); }
+  EXPECT_EQ(current_control(), nullptr);
+  EXPECT_NO_THROW(for_each_parallel(10, [](std::size_t) {}));
+}
+
+}  // namespace
+}  // namespace equilux
