@@ -2,8 +2,10 @@
 #include "base/json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <locale>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -24,6 +26,19 @@ constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxMembers =
     256;  // twelve times what any of our objects has; they are searched in line
 constexpr std::size_t kMaxValues = 4'000'000;  // nine times what layers.json of the main study has
+
+// The std::regex of schemas fills a table of the locale as it goes, without a lock (GCC bug 77704): it is
+// filled before threads can meet there.
+void prepare_regex() {
+  [[maybe_unused]] static const char last = [] {
+    std::array<char, 256> all{}, narrowed{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<char>(i);
+    const auto& characters = std::use_facet<std::ctype<char>>(std::locale());
+    characters.narrow(all.data(), all.data() + all.size(), '\0', narrowed.data());
+    for (const char character : all) characters.narrow(character, '\0');
+    return narrowed.back();
+  }();
+}
 
 std::string escape_pointer(std::string_view token) {
   std::string escaped;
@@ -433,6 +448,7 @@ std::string format_canonical_json(const Json& value) { return dump(sort_members(
 std::string digest_json(const Json& value) { return digest_text(format_canonical_json(value)); }
 
 void validate_json(const Json& value, std::string_view schema_text, std::string_view source) {
+  prepare_regex();
   const Json schema_value = parse_json(schema_text, "schema");
   check_array_sizes(value, schema_value, schema_value, "", source);
   const nlohmann::json schema_document = nlohmann::json::parse(schema_text);
