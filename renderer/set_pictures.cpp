@@ -19,7 +19,7 @@
 namespace equilux {
 namespace {
 
-constexpr std::chrono::seconds kRecordEvery{5};  // and the family after it: what a run that is killed loses
+constexpr std::chrono::seconds kRecordEvery{5};  // a run that is killed loses this and a family
 
 Json make_json(const DisplayNoise& noise) {
   Json json;
