@@ -17,7 +17,18 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0)
     throw StoreError(fmt::format("{}: cannot open: {}", path.string(), std::strerror(errno)));
-  busy_ = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  int result = 0;
+  do {
+    result = ::flock(descriptor_, LOCK_EX | LOCK_NB);
+  } while (result != 0 && errno == EINTR);
+  busy_ = result != 0 && errno == EWOULDBLOCK;
+  if (result == 0 || busy_) return;
+  const std::string why = std::strerror(errno);
+  ::close(descriptor_);
+  throw StoreError(
+      fmt::format("{}: cannot be locked: {}; a folder is written where the file system keeps two programs "
+                  "apart",
+                  path.string(), why));
 }
 
 FolderLock::~FolderLock() { ::close(descriptor_); }

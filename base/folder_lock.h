@@ -6,8 +6,8 @@
 namespace equilux {
 
 /// Held by one process while it writes into a folder, on an empty file .lock there; the system lets go of it
-/// however the process ends. Where a file system has no locks, nothing is held and nothing is busy.
-/// errors: StoreError if the folder cannot be written
+/// however the process ends. errors: StoreError if the folder cannot be written, or its file system has no
+/// locks: two that write one folder would spoil it
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

@@ -1,4 +1,4 @@
-// /proc/meminfo and the control group of version 2.
+// /proc/meminfo and control groups.
 #include "base/memory.h"
 
 #include <algorithm>
@@ -9,8 +9,9 @@
 
 namespace equilux {
 namespace {
+namespace fs = std::filesystem;
 
-std::optional<std::uint64_t> read_number(const std::string& path) {
+std::optional<std::uint64_t> read_number(const fs::path& path) {
   std::ifstream file(path);
   std::uint64_t number = 0;
   if (file >> number) return number;
@@ -18,7 +19,7 @@ std::optional<std::uint64_t> read_number(const std::string& path) {
 }
 
 // Of lines of a name, a number and perhaps more.
-std::optional<std::uint64_t> read_entry(const std::string& path, const std::string& wanted) {
+std::optional<std::uint64_t> read_entry(const fs::path& path, const std::string& wanted) {
   std::ifstream file(path);
   std::string name, rest;
   for (std::uint64_t number = 0; file >> name >> number; std::getline(file, rest)) {
@@ -33,14 +34,42 @@ std::optional<std::uint64_t> find_system_memory() {
   return *kibibytes * 1024;
 }
 
-// "max" where there is no limit, which is no number. Files that are kept in case they are read again count as
-// used but give way.
-std::optional<std::uint64_t> find_group_memory() {
-  const auto most = read_number("/sys/fs/cgroup/memory.max"),
-             used = read_number("/sys/fs/cgroup/memory.current");
+// Where a version of control groups tells limit, use, and files that are kept in case they are read again:
+// they count as used but give way.
+struct GroupNames {
+  const char* limit;
+  const char* used;
+  const char* files;
+};
+constexpr GroupNames kVersion2{"memory.max", "memory.current", "inactive_file"};
+constexpr GroupNames kVersion1{"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"};
+
+// "max" where there is no limit, which is no number.
+std::optional<std::uint64_t> find_left(const fs::path& group, const GroupNames& names) {
+  const auto most = read_number(group / names.limit), used = read_number(group / names.used);
   if (!most || !used) return {};
-  const std::uint64_t files = read_entry("/sys/fs/cgroup/memory.stat", "inactive_file").value_or(0);
+  const std::uint64_t files = read_entry(group / "memory.stat", names.files).value_or(0);
   return *most - std::min(*most, *used - std::min(*used, files));
+}
+
+std::optional<std::uint64_t> find_least(std::optional<std::uint64_t> a, std::optional<std::uint64_t> b) {
+  if (!a || !b) return a ? a : b;
+  return std::min(*a, *b);
+}
+
+// Of a group, named from `root` on, and of those that it is part of. In a container the name may be that of
+// the host, where nothing stands; the root then is the container's own.
+std::optional<std::uint64_t> find_least_left(const fs::path& root, const fs::path& group,
+                                             const GroupNames& names) {
+  std::optional<std::uint64_t> least = find_left(root, names);
+  fs::path path = root;
+  for (const fs::path& part : group.relative_path())
+    least = find_least(least, find_left(path /= part, names));
+  return least;
+}
+
+bool names_memory(const std::string& controllers) {
+  return ("," + controllers + ",").find(",memory,") != std::string::npos;
 }
 
 std::string format_gibibytes(std::uint64_t bytes) {
@@ -49,10 +78,22 @@ std::string format_gibibytes(std::uint64_t bytes) {
 
 }  // namespace
 
+// Lines of the file are NUMBER:CONTROLLERS:GROUP; version 2 names no controllers.
+std::optional<std::uint64_t> find_group_memory(const fs::path& mount, const fs::path& own) {
+  std::optional<std::uint64_t> least;
+  std::ifstream file(own);
+  std::string number, controllers, group;
+  while (std::getline(file, number, ':') && std::getline(file, controllers, ':') &&
+         std::getline(file, group)) {
+    if (controllers.empty()) least = find_least(least, find_least_left(mount, group, kVersion2));
+    if (names_memory(controllers))
+      least = find_least(least, find_least_left(mount / "memory", group, kVersion1));
+  }
+  return least;
+}
+
 std::optional<std::uint64_t> find_available_memory() {
-  const auto system = find_system_memory(), group = find_group_memory();
-  if (!system) return group;
-  return group ? std::min(*system, *group) : system;
+  return find_least(find_system_memory(), find_group_memory("/sys/fs/cgroup", "/proc/self/cgroup"));
 }
 
 void with_memory(const std::string& what, std::uint64_t bytes, const std::function<void()>& body) {

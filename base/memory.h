@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -9,8 +10,14 @@
 namespace equilux {
 
 /// Memory that this process may still take without swapping: what the system has available, or what its
-/// control group leaves. Empty where the system does not say. units: bytes
+/// control groups leave. Empty where the system does not say. units: bytes
 std::optional<std::uint64_t> find_available_memory();
+
+/// What control groups leave to a process: the least over its group and all above it, of version 2 or 1.
+/// `mount` is where they stand (/sys/fs/cgroup), `own` the file that names the process's (/proc/self/cgroup).
+/// Empty where none has a limit. units: bytes. source: the kernel's cgroup-v2.rst, cgroup-v1/memory.rst
+std::optional<std::uint64_t> find_group_memory(const std::filesystem::path& mount,
+                                               const std::filesystem::path& own);
 
 /// Runs `body` if about `bytes` are there. errors: InputError that names `what`, the bytes and what there is,
 /// also where an allocation fails on the way.
