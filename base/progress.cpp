@@ -29,22 +29,27 @@ Progress::Progress(std::string label, double total)
       control_(current_control()),
       is_terminal_(::isatty(STDERR_FILENO) != 0),
       exceptions_(std::uncaught_exceptions()),
-      start_(std::chrono::steady_clock::now()) {}
+      start_(std::chrono::steady_clock::now()),
+      paused_before_s_(control_ ? control_->paused_seconds() : 0) {}
 
 Progress::~Progress() {
   if (!printed_ || control_) return;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   if (is_terminal_) std::fputs("\r\033[K", stderr);
   const bool is_stopped = std::uncaught_exceptions() > exceptions_;
   fmt::print(stderr, "{}: {} {}\n", label_, is_stopped ? "stopped after" : "done in",
-             format_seconds(seconds));
+             format_seconds(seconds_worked()));
+}
+
+double Progress::seconds_worked() const {
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return seconds - (control_ ? control_->paused_seconds() - paused_before_s_ : 0);
 }
 
 void Progress::advance(double work) {
   if (control_) control_->check();
   const std::lock_guard lock(mutex_);
   done_ += work;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = seconds_worked();
   const double share = total_ > 0 ? done_ / total_ : 1;
   if (share >= 1 || !is_due(seconds, share)) return;
   control_ ? control_->tell(format_line(seconds)) : print(format_line(seconds));

@@ -29,6 +29,7 @@ class Progress {
   void tell(std::string what);
 
  private:
+  double seconds_worked() const;  ///< since the start, without pauses
   bool is_due(double seconds, double share) const;
   std::string format_line(double seconds) const;
   void print(const std::string& line);
@@ -43,6 +44,7 @@ class Progress {
   double last_print_s_ = 0;
   double last_share_ = 0;
   std::chrono::steady_clock::time_point start_;
+  double paused_before_s_;
   std::mutex mutex_;
 };
 

@@ -12,11 +12,13 @@ thread_local WorkControl* control_of_thread = nullptr;
 
 void WorkControl::pause() {
   const std::lock_guard lock(mutex_);
+  if (!is_paused_) paused_at_ = std::chrono::steady_clock::now();
   is_held_ = is_paused_ = true;
 }
 
 void WorkControl::resume() {
   const std::lock_guard lock(mutex_);
+  if (is_paused_) paused_for_ += std::chrono::steady_clock::now() - paused_at_;
   is_paused_ = false;
   is_held_ = is_cancelled_;
   changed_.notify_all();
@@ -33,6 +35,13 @@ void WorkControl::check() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return is_cancelled_ || !is_paused_; });
   if (is_cancelled_) throw WorkCancelled();
+}
+
+double WorkControl::paused_seconds() const {
+  const std::lock_guard lock(mutex_);
+  auto all = paused_for_;
+  if (is_paused_) all += std::chrono::steady_clock::now() - paused_at_;
+  return std::chrono::duration<double>(all).count();
 }
 
 void WorkControl::tell(std::string line) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -26,6 +27,9 @@ class WorkControl {
   /// Between two pieces of work: returns at once, or when a pause is over. errors: WorkCancelled
   void check();
 
+  /// How long it was paused so far. units: s
+  double paused_seconds() const;
+
   void tell(std::string line);
   /// What was told last.
   std::string line() const;
@@ -34,7 +38,9 @@ class WorkControl {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool is_paused_ = false, is_cancelled_ = false;
-  std::atomic<bool> is_held_ = false;  ///< either: what check looks at first
+  std::atomic<bool> is_held_ = false;                     ///< either: what check looks at first
+  std::chrono::steady_clock::time_point paused_at_ = {};  ///< while paused
+  std::chrono::steady_clock::duration paused_for_ = {};   ///< in earlier pauses
   std::string line_;
 };
 

@@ -3,8 +3,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <regex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -92,6 +95,31 @@ TEST(WorkControl, HearsOfProgressInPlaceOfStandardError) {
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_THAT(control.line(), testing::HasSubstr("50 %"));
+}
+
+// What stands before "left" in a line of progress. units: s
+double seconds_left(const std::string& line) {
+  std::smatch found;
+  EXPECT_TRUE(std::regex_search(line, found, std::regex(R"((\d+\.\d) s left)"))) << line;
+  return found.empty() ? NAN : std::stod(found[1]);
+}
+
+TEST(WorkControl, DoesNotTakeAPauseForWork) {
+  WorkControl control;
+  const auto start = std::chrono::steady_clock::now();
+  const ControlledWork work(control);
+  Progress progress("rendering", 2);
+  control.pause();
+  control.pause();  // once more is the same pause
+  std::this_thread::sleep_for(500ms);
+  EXPECT_GE(control.paused_seconds(), .5);
+  control.resume();
+  const double paused = control.paused_seconds();
+  std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(control.paused_seconds(), paused);
+  progress.advance(1);
+  const double all = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_LE(seconds_left(control.line()), all - .5 + .05);  // as long as the first half; told to a tenth
 }
 
 }  // namespace
