@@ -44,6 +44,7 @@ void add_prune(CLI::App& app, Options& options) {
   CLI::App* prune = app.add_subcommand("prune", "Choose the clamp levels of the material experiment");
   prune->add_option("DIR", options.folders, "Study folder made by equilux-render")->required()->expected(1);
   add_options(prune, options);
+  prune->add_flag("--no-verify", options.no_verify, "Also by answers about pictures that do not verify");
   prune->footer("Example:\n  equilux-analyze prune studies/pocket --rule paper --kind planted");
 }
 
@@ -107,6 +108,7 @@ void add_windows(CLI::App& app, Options& options) {
   add_options(windows, options);
   windows->add_option("--predicted", options.prediction,
                       "CSV with the columns column, clamp, proportion, in place of answers");
+  windows->add_flag("--no-verify", options.no_verify, "Also by answers about pictures that do not verify");
   windows->add_option("--out", options.out, "The new windows.json")->required();
   windows->footer("Example:\n  equilux-analyze windows studies/pocket --kind planted --out windows.json");
 }

@@ -77,6 +77,14 @@ std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& stu
   return verify_pictures(folder, study, *manifest, keys);
 }
 
+// Answers about pictures that are not those recorded decide nothing.
+void refuse_unverified(const StudyFolder& folder, const Study& study, const AnalyzeParams& params) {
+  if (!params.verify) return;
+  const auto manifest = load_if_there<Manifest>(
+      folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
+  refuse_findings(verify_manifest(folder, study, manifest), folder);
+}
+
 // A study folder as it was found.
 struct FolderReading {
   std::string name;
@@ -203,6 +211,7 @@ int run_prune(const AnalyzeParams& params) {
   const StudyFolder folder{params.study_folders.front()};
   const Study study = load_folder_study(folder);
   const Evidence evidence = load_evidence(folder, study, params.kind);
+  refuse_unverified(folder, study, params);
   const Selection fresh = make_selection(study, tally_answers(evidence.artifact.answers, study),
                                          evidence.kind, params.rule, evidence.artifact.digest);
   const auto path = folder.selection(evidence.kind);
@@ -261,6 +270,7 @@ int run_windows(const AnalyzeParams& params, const std::filesystem::path& predic
     throw InputError(params.out.string(), "", "a name that is free: windows may be edited by hand", "a file");
   const Windows standing = load_windows(folder.windows(), study);
   const bool predicted = !prediction.empty();
+  if (!predicted) refuse_unverified(folder, study, params);
   const Tally tally = predicted
                           ? parse_prediction(load_text(prediction), prediction.string(), study)
                           : tally_answers(load_evidence(folder, study, params.kind).artifact.answers, study);

@@ -268,6 +268,7 @@ TEST_F(ProgramInput, NamesWrongConditionsOfScenesAndStudies) {
     save_text(path("neither.json"), R"({"schema":"equilux-windows"})");
     expect_input_error("render", words(path("neither.json"), "G0-MS-ind-1k-C4-v0"), path("neither.json"));
   }
+  expect_input_error("render", {"explain", pocket, "--condition", "G0-MS-ind-1k-C4n-v0"}, "C4n");
   expect_input_error("render", {"explain", pocket, "--condition", "G1-MS-ind-1k-C4-v0"},
                      "G1-MS-ind-1k-C4-v0");
   expect_input_error("render", {"explain", kCafe, "--condition", "G0-MS-ind-1k-C4-v0", "--out", "."},
@@ -317,7 +318,7 @@ TEST_F(ProgramInput, NamesTheScreenThatIsMissing) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
 
-TEST(Report, OfPicturesThatDoNotVerifyIsRefusedUnlessItMaySaySo) {
+TEST(Analyze, RefusesPicturesThatDoNotVerifyUnlessItMaySaySo) {
   const TemporaryFolder temporary;
   const StudyFolder folder = make_fake_study(temporary.path());
   const std::string root = folder.root.string();
@@ -330,6 +331,14 @@ TEST(Report, OfPicturesThatDoNotVerifyIsRefusedUnlessItMaySaySo) {
                      "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
   EXPECT_THAT(run_well("analyze", {"report", root, "--no-verify"}),
               HasSubstr("warning: Of the pictures 1 do not verify, the first G0-MS-ind-1k-C7-v0"));
+  const std::string out = (temporary.path() / "windows.json").string();
+  for (const Words& words :
+       {Words{"prune", root, "--kind", "planted"}, Words{"windows", root, "--out", out}}) {
+    expect_input_error("analyze", words, "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
+    Words all_the_same = words;
+    all_the_same.push_back("--no-verify");
+    run_well("analyze", all_the_same);
+  }
 }
 
 }  // namespace
