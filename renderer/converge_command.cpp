@@ -58,7 +58,8 @@ void write_convergence(const Convergence& convergence, const ConvergeOptions& op
 
 int run_converge(const ConvergeOptions& options) {
   const SceneOrStudy input = load_scene_or_study(options.input);
-  const auto conditions = parse_scene_conditions(input.scene, options.conditions);
+  auto conditions = parse_scene_conditions(input, options.conditions);
+  for (Condition& condition : conditions) condition.cell.normalised = false;  // measured both ways
   if (!options.no_plot) check_gnuplot();
   make_folder(options.out);
   for (const Condition& condition : conditions) {

@@ -53,7 +53,7 @@ PlanRequest make_request(const SceneOrStudy& input, const Condition& condition, 
   request.emission = input.study.emission;
   request.clamp_levels = std::vector{condition.cell.clamp_level};
   if (!input.is_study) return request;
-  request.clamp_levels = input.study.clamp_levels;
+  request.clamp_levels = traversed_levels(input.study);
   request.reference = input.study.paths ? ReferenceMethod::kPath : input.study.reference;
   request.materials = list_materials(input.study, condition.cell.column.object);
   if (!folder.empty()) request.layers_on_disk = count_layers(input, condition, folder);
@@ -69,7 +69,7 @@ void check_study(const SceneOrStudy& input, const ExplainOptions& options,
   if (!input.is_study) return;
   const std::vector<Condition> all = enumerate_conditions(input.study);
   for (Condition condition : conditions) {
-    condition.cell.normalised = input.study.normalise;
+    if (input.study.normalise) condition.cell.normalised = true;  // a key without n means the same
     if (std::find(all.begin(), all.end(), condition) == all.end())
       throw InputError("--condition", "", "a condition of the study " + input.study.name,
                        format_key(condition));
@@ -78,7 +78,7 @@ void check_study(const SceneOrStudy& input, const ExplainOptions& options,
 
 int run_explain(const ExplainOptions& options) {
   const SceneOrStudy input = load_scene_or_study(options.input);
-  const auto conditions = parse_scene_conditions(input.scene, options.conditions);
+  const auto conditions = parse_scene_conditions(input, options.conditions);
   check_study(input, options, conditions);
   std::string between;
   for (const Condition& condition : conditions) {

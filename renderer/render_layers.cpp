@@ -330,11 +330,11 @@ struct MaterialTrees {
   std::int64_t count;
 };
 
-// At all levels of the study whatever is missing: so that no layer depends on what it was made with.
+// At all levels whatever is missing: so that no layer depends on what it was made with.
 void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string& name,
                       const MaterialTrees& trees) {
   const GroupJob& group = job.group;
-  const std::vector<int>& levels = group.study.clamp_levels;
+  const std::vector<int> levels = traversed_levels(group.study);
   const std::vector<double> clamps = clamps_of(levels);
   const Material material = make_material(find_material(group.scene, name));
   const auto advance = [&](double points) { group.progress.advance(cost_of_cut(job.vpl_count) * points); };

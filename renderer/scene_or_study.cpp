@@ -35,13 +35,15 @@ SceneOrStudy load_scene_or_study(const std::filesystem::path& path) {
   return loaded;
 }
 
-std::vector<Condition> parse_scene_conditions(const Scene& scene, const std::vector<std::string>& keys) {
+std::vector<Condition> parse_scene_conditions(const SceneOrStudy& input,
+                                              const std::vector<std::string>& keys) {
+  const Scene& scene = input.scene;
   std::vector<Condition> conditions;
   for (const std::string& key : keys) {
     const Condition condition = parse_condition(key, "--condition");
     const Object& object = condition.cell.column.object;
-    if (condition.cell.normalised)
-      throw InputError("--condition", "", "a level without n: normalisation comes after rendering", key);
+    if (condition.cell.normalised && !input.study.normalise)
+      throw InputError("--condition", "", "a level without n: only a normalised study has others", key);
     if (!scene.geometries.contains(object.geometry))
       throw InputError("--condition", "", "a geometry of the scene: " + list_geometries(scene),
                        object.geometry);

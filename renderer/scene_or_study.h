@@ -21,8 +21,9 @@ struct SceneOrStudy {
 /// errors: InputError, also for a file that is neither
 SceneOrStudy load_scene_or_study(const std::filesystem::path& path);
 
-/// Conditions by their keys. errors: InputError for what is no key, is normalised, or names what the scene
-/// lacks
-std::vector<Condition> parse_scene_conditions(const Scene& scene, const std::vector<std::string>& keys);
+/// Conditions by their keys. errors: InputError for what is no key, names what the scene lacks, or is
+/// normalised where there is no study or none that normalises
+std::vector<Condition> parse_scene_conditions(const SceneOrStudy& input,
+                                              const std::vector<std::string>& keys);
 
 }  // namespace equilux

@@ -83,6 +83,12 @@ std::set<int> needed_levels(const Condition& condition) {
   return levels;
 }
 
+std::vector<int> traversed_levels(const Study& study) {
+  std::set<int> levels(study.clamp_levels.begin(), study.clamp_levels.end());
+  if (study.normalise) levels.insert(0);
+  return {levels.begin(), levels.end()};
+}
+
 Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted) {
   Recipes recipes{study, {}};
   for (const Family& family : wanted.families) {
@@ -123,7 +129,7 @@ std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition
     json.set("error_ratio", kErrorRatio);
     if (recipes.study.certified) json.set("certified", true);
     Json levels{Json::Array{}};
-    for (int level : recipes.study.clamp_levels) levels.push(level);
+    for (int level : traversed_levels(recipes.study)) levels.push(level);
     json.set("levels", std::move(levels));
     json.set("reference", digest_family_recipe(recipes, family_of(condition)));
     if (recipes.study.paths) set_exposure(json, recipes.study.planned_tone);

@@ -31,6 +31,9 @@ std::string vpl_layer_name(Condition condition);
 /// Clamp levels whose layers these pictures need: their own, and C0 where they are normalised.
 std::set<int> needed_levels(const Condition& condition);
 
+/// Levels of one traversal: the study's, and C0 where it is normalised; the weakest clamp first.
+std::vector<int> traversed_levels(const Study& study);
+
 /// What layers are made from: scene part, size, positions, seed, parameters of the estimator. Never the
 /// program's version.
 struct Recipes {

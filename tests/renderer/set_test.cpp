@@ -490,5 +490,18 @@ TEST(Set, NormalisedPicturesHaveTheMeanLuminanceOfTheUnclampedOnes) {
   EXPECT_LT(differing, static_cast<int>(made.values.size() / 20));
 }
 
+// Cuts are made at the levels of the study, and a normalised picture needs that without a clamp beside its
+// own.
+TEST(Set, OfNormalisedPicturesByCutsIsWholeWithoutTheUnclampedLevelInTheStudy) {
+  const test::TinyStudy study("normalise-many");
+  Json json = study.load().source;
+  save_text(study.path(), format_json(json.set("clamp_levels", parse_json(R"(["C2","C3","C4","C5"])", ""))));
+  const SetSummary summary = make_set({study.path(), study.folder() / "set", "G0-GS-*-v0"});
+  EXPECT_EQ(summary.pictures, 1u + 4u);
+  EXPECT_TRUE(fs::exists(study.folder() / "set/layers/G0-GS-ind-30k-C0-v0.exr"));
+  EXPECT_TRUE(fs::exists(study.folder() / "set/pictures/G0-GS-ind-30k-C5n-v0.png"));
+  EXPECT_EQ(make_set({study.path(), study.folder() / "set", "G0-GS-*-v0"}).layers_rendered, 0u);
+}
+
 }  // namespace
 }  // namespace equilux
