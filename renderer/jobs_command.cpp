@@ -99,7 +99,7 @@ void check_words(const SubmitParams& params) {
 int run_submit(const SubmitOptions& options, const CommandLine& line) {
   SubmitParams params = options.params;
   check_words(params);
-  params.isa = line.isa;
+  params.isa = current_isa();  // the best of this machine, or the one that was asked for
   params.threads = line.threads;
   params.program = fs::canonical("/proc/self/exe");
   params.study_path = fs::absolute(params.study_path);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cmath>
+#include <fmt/format.h>
 #include <functional>
 #include <map>
 
@@ -14,6 +14,7 @@
 #include "renderer/compose.h"
 #include "renderer/parallel.h"
 #include "renderer/picture_store.h"
+#include "renderer/record_check.h"
 #include "renderer/stopwatch.h"
 
 namespace equilux {
@@ -44,9 +45,8 @@ void pool_errors(const LayerStore& store, const std::vector<Condition>& conditio
   for (const Condition& condition : conditions) {
     const std::string name = vpl_layer_name(condition);
     const Json& errors = store.record(name).errors_1e5;
-    const Json* certified = store.record(name).vpls.find("certified");
-    if (certified && !certified->as_bool())
-      summary.warnings.push_back(name + ": not certified, more than 1 % of its points err by 1 % or more");
+    if (const std::string text = find_uncertified(store.record(name)); !text.empty())
+      summary.warnings.push_back(fmt::format("{}: {}", name, text));
     if (!errors.is_null()) pools[condition.cell.column.vpl_count][name] = &errors;
   }
   for (const auto& [count, by_layer] : pools) {
@@ -84,22 +84,6 @@ void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSu
     summary.warnings.push_back(key + ": no light reaches the object");
   }
   if (is_black(loaded.background)) summary.warnings.push_back(key + ": the background is black");
-}
-
-// Of a reference by VPL sets. Rare bright paths make some regions differ by more than chance of a normal
-// distribution would; this is beyond that.
-void warn_of_check(const Json& reference, const std::string& key, SetSummary& summary) {
-  constexpr double kMostErrors = 7;
-  const Json* check = reference.is_null() ? nullptr : reference.find("check");
-  if (!check) return;
-  for (const Json& region : check->as_array()) {
-    const double z = region.at("z").as_double();
-    if (std::abs(z) > kMostErrors)
-      summary.warnings.push_back(
-          fmt::format("{}: region {} differs from its path-traced check by {:.1f} standard "
-                      "errors",
-                      key, region.at("region").as_string(), z));
-  }
 }
 
 // A picture of a family: what its record says but for its file, and its object's indirect light.
@@ -146,7 +130,8 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   const std::string key = format_key(family);
   summary.noise[key] = loaded.noise;
   warn_of_emptiness(loaded, key, summary);
-  warn_of_check(store.record(layer_name(family, "indirect")).reference, key, summary);
+  for (const std::string& text : find_failed_checks(store.record(layer_name(family, "indirect"))))
+    summary.warnings.push_back(fmt::format("{}: {}", key, text));
   pictures.set_tone(key, loaded.tone.record);
   const auto wanted = list_pictures(loaded, store, family, conditions);
   summary.pictures += wanted.size();

@@ -37,13 +37,13 @@ LdrImage load_picture(const SheetSource& source, const std::string& key) {
     throw InputError(path.string(), "",
                      fmt::format("the file recorded in manifest.json, digest {}", record.digest), digest);
   }
-  LdrImage picture = load_png(path);
-  if (picture.width != source.study.width || picture.height != source.study.height) {
+  const PixelSize size = load_png_size(path);  // before it takes memory
+  if (size != PixelSize{source.study.width, source.study.height}) {
     throw InputError(path.string(), "",
                      fmt::format("{} x {} pixels", source.study.width, source.study.height),
-                     fmt::format("{} x {}", picture.width, picture.height));
+                     fmt::format("{} x {}", size.width, size.height));
   }
-  return picture;
+  return load_png(path);
 }
 
 const ToneRecord& find_tone(const SheetSource& source, const std::string& key) {

@@ -28,10 +28,9 @@ std::string make_head(const SubmitParams& params, const char* name) {
 }
 
 std::string make_call(const SubmitParams& params, const char* verb) {
-  std::string call = fmt::format("{} {} {} --out {}", quote(params.program.string()), verb,
-                                 quote(params.study_path.string()), quote(params.folder.string()));
-  if (!params.isa.empty()) call += " --isa " + params.isa;
-  return call;
+  return fmt::format("{} {} {} --out {} --isa {}", quote(params.program.string()), verb,
+                     quote(params.study_path.string()), quote(params.folder.string()),
+                     format_isa(params.isa));
 }
 
 // 1-3,7 as Slurm writes arrays.

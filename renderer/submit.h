@@ -6,13 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "renderer/isa.h"
+
 namespace equilux {
 
 struct SubmitParams {
   std::filesystem::path program;  ///< equilux-render, as the machines of the cluster find it
   std::filesystem::path study_path, folder;
-  int count = 1;                     ///< of shares
-  std::string isa;                   ///< empty: the best of each machine
+  int count = 1;  ///< of shares
+  /// Of all jobs: where each took its machine's best, neither their bytes nor their shares would fit
+  /// together.
+  Isa isa = current_isa();
   int threads = 0;                   ///< 0: as many as Slurm gives the step
   std::vector<std::string> options;  ///< of sbatch, without dashes, for both steps
 };

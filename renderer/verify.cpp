@@ -11,6 +11,7 @@
 #include "renderer/compose.h"
 #include "renderer/jobs.h"
 #include "renderer/parallel.h"
+#include "renderer/record_check.h"
 #include "stimuli/png_file.h"
 
 namespace equilux {
@@ -106,6 +107,8 @@ class FamilyVerifier {
     add(key + ".indirect", find_misplaced(family.indirect, family.coverage, is_on_object));
     add(key + ".standard_error",
         find_misplaced(family.standard_error, family.coverage, [](float) { return true; }));
+    for (std::string& text : find_failed_checks(set_.store.record(layer_name(family_, "indirect"))))
+      add(key + ".indirect", std::move(text));
   }
 
   void verify_reference(const std::string& key) {
@@ -133,7 +136,9 @@ class FamilyVerifier {
   void verify_condition(const Condition& condition) {
     const std::string key = format_key(condition);
     const HdrImage layer = load_vpl_layer(set_.store, condition);
-    add(vpl_layer_name(condition), find_misplaced(layer, loaded_->coverage, is_on_object));
+    const std::string name = vpl_layer_name(condition);
+    add(name, find_misplaced(layer, loaded_->coverage, is_on_object));
+    add(name, find_uncertified(set_.store.record(name)));
     if (!condition.cell.normalised)
       light_[condition.cell.column][condition.cell.clamp_level] = sum_light(layer);
     const auto record = set_.manifest.pictures.find(key);

@@ -25,7 +25,7 @@ SubmitParams make_params(const fs::path& folder) {
 TEST(Submit, ListsSharesAsSlurmDoes) {
   SubmitParams params = make_params("/x");
   params.options = {"time=2:00:00"};
-  params.isa = "v3";
+  params.isa = Isa::kV3;
   const SlurmJobs jobs = make_slurm_jobs(params, {1, 2, 3, 7, 9, 10});
   EXPECT_EQ(format_sbatch(jobs),
             (std::vector<std::string>{"sbatch --parsable --array=1-3,7,9-10 --output='/x/a "
@@ -57,8 +57,8 @@ TEST(Submit, WritesScriptsThatAShellTakesWordByWord) {
   ASSERT_EQ(
       std::system(("SLURM_ARRAY_TASK_ID=5 sh '" + jobs.array_script.string() + "' >'" + out + "'").c_str()),
       0);
-  EXPECT_EQ(load_text(out),
-            "[set][it's a study.json][--out][" + params.folder.string() + "][--threads][0][--job][5/12]");
+  EXPECT_EQ(load_text(out), "[set][it's a study.json][--out][" + params.folder.string() + "][--isa][" +
+                                format_isa(current_isa()) + "][--threads][0][--job][5/12]");
 }
 
 // A command of that name first on the path stands for Slurm's.

@@ -185,6 +185,28 @@ TEST_F(Verify, FindsAPictureThatTheStudyDoesNotHave) {
   expect_only("foo: recorded in the manifest, and no picture of the study");
 }
 
+TEST_F(Verify, FindsWhatTheRecordsSayAgainstTheirLayers) {
+  Layers layers = load_layers(folder_.layers());
+  Json& vpls = layers.by_name.at("G0-MS-ind-100-C3-v0").vpls;
+  vpls.set("certified", true);
+  Json& reference = layers.by_name.at("G0-GS-dir-ref-v1.indirect").reference;
+  const auto set_check = [&](double z) {
+    Json check{Json::Array{}};
+    check.push(Json().set("region", "contact band").set("z", z));
+    reference.set("check", std::move(check));
+    save_layers(layers, folder_.layers());
+  };
+  set_check(-6.9);
+  EXPECT_EQ(find(), std::vector<std::string>()) << "certified, and nearer than chance may be";
+  set_check(-7.1);
+  expect_only(
+      "G0-GS-dir-ref-v1.indirect: region contact band differs from its path-traced check by -7.1 standard "
+      "errors");
+  vpls.set("certified", false);
+  set_check(0);
+  expect_only("G0-MS-ind-100-C3-v0: not certified, more than 1 % of its points err by 1 % or more");
+}
+
 TEST_F(Verify, FindsSharesThatAreNotGathered) {
   fs::create_directories(folder_.job("1-of-2"));
   expect_only("shares that are not gathered");

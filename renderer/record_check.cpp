@@ -1,0 +1,36 @@
+// Shared by `set`, which warns of them, and `verify`, which does not let them pass.
+#include "renderer/record_check.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace equilux {
+namespace {
+
+// Rare bright paths make some regions differ by more than chance of a normal distribution would; this is
+// beyond that.
+constexpr double kMostErrors = 7;
+
+}  // namespace
+
+std::string find_uncertified(const LayerRecord& layer) {
+  if (layer.vpls.is_null()) return "";
+  const Json* certified = layer.vpls.find("certified");
+  if (!certified || certified->as_bool()) return "";
+  return "not certified, more than 1 % of its points err by 1 % or more";
+}
+
+std::vector<std::string> find_failed_checks(const LayerRecord& layer) {
+  std::vector<std::string> failed;
+  const Json* check = layer.reference.is_null() ? nullptr : layer.reference.find("check");
+  if (!check) return failed;
+  for (const Json& region : check->as_array()) {
+    const double z = region.at("z").as_double();
+    if (std::abs(z) > kMostErrors)
+      failed.push_back(fmt::format("region {} differs from its path-traced check by {:.1f} standard errors",
+                                   region.at("region").as_string(), z));
+  }
+  return failed;
+}
+
+}  // namespace equilux
