@@ -244,6 +244,44 @@ TEST(Omission, OfPathsThatNeverMetTheObjectKeepsEveryBit) {
   EXPECT_GT(differing, 100u);
 }
 
+// A rectangle that shines away from everything makes direct light a matter of samples.
+TEST(Omission, OfSamplesOfDirectLightKeepsItToARounding) {
+  test::SceneText text;
+  const Stage without(test::make_scene(text), "G0", "grey", Illumination::kIndirect);
+  text.lights.insert(text.lights.rfind(']'),
+                     R"(,{"rectangle":{"corner":[0,9,0],"u":[0,0,1],"v":[1,0,0],"radiance":[1,1,1]}})");
+  const Stage with(test::make_scene(text), "G0", "grey", Illumination::kIndirect);
+  ASSERT_FALSE(has_extended_lights(without.world));
+  ASSERT_TRUE(has_extended_lights(with.world));
+  const HdrImage left_out = trace_stage(without).direct.mean, sampled = trace_stage(with).direct.mean;
+  EXPECT_FALSE(is_black(left_out));
+  for (std::size_t i = 0; i < left_out.values.size(); ++i)
+    ASSERT_NEAR(sampled.values[i], left_out.values[i], 2e-6 * left_out.values[i]) << i;
+}
+
+// What no instance names and what is off under this illumination never reaches the world.
+TEST(Omission, OfPartsOfOtherConditionsKeepsEveryBit) {
+  test::SceneText text;
+  const Stage least(test::make_scene(text), "G0", "grey", Illumination::kIndirect);
+  text.meshes = R"([{"name":"unused","quad":{"u":[9,0,0],"v":[0,0,9]}},
+    {"name":"ball","sphere":{"radius":1,"subdivisions":5}}])";
+  text.materials = R"([{"name":"unused","model":"lambertian","rho_d":[0.9,0.1,0.1]},
+    {"name":"grey","model":"lambertian","rho_d":[0.5,0.5,0.5]}])";
+  text.lights.insert(
+      text.lights.rfind(']'),
+      R"(,{"illuminations":["dir"],"rectangle":{"corner":[0,-9,0],"u":[1,0,0],"v":[0,0,1],"radiance":[7,1,1]}})");
+  const Scene scene = test::make_scene(text);
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  ASSERT_EQ(scene.materials.size(), 2u);
+  const Stage more(scene, "G0", "grey", Illumination::kIndirect),
+      lit(scene, "G0", "grey", Illumination::kDirectAndIndirect);
+  const TracedLayers a = trace_stage(least), b = trace_stage(more);
+  expect_equal(a.background, b.background);
+  expect_equal(a.direct, b.direct);
+  expect_equal(a.indirect, b.indirect);
+  EXPECT_NE(trace_stage(lit).direct.mean.values, a.direct.mean.values) << "where it is on it shows";
+}
+
 PlanRequest make_request(const std::string& key) {
   PlanRequest request;
   request.source = "cafe";
