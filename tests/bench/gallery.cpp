@@ -1,4 +1,5 @@
-// One clamp level for each object of the gallery against one for all: error and time side by side.
+// One clamp level for each object of the gallery against one for all, with and without giving back what the
+// clamps take: error and time side by side.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "renderer/compensation.h"
 #include "renderer/family.h"
 #include "renderer/lightcut.h"
 #include "tests/bench/bench.h"
@@ -17,6 +19,10 @@ using bench::all_levels;
 using bench::time_s;
 
 constexpr int kSeeds = 3, kWidth = 280, kHeight = 210, kPositions = 1, kReferencePaths = 2048;
+// With what the clamps took given back: paths a pixel by which its cost is measured; how much the sets of a
+// safe level differ by; what each object may err by in all. Relative to its mean light, rms over its points.
+constexpr int kCompensationPaths = 64;
+constexpr double kSafeSpread = 0.02, kCompensatedError = 0.03;
 constexpr std::int64_t kCounts[] = {10000, 30000, 100000, 300000, 1000000};
 
 using Levels = std::array<double, kClampLevelCount>;
@@ -59,29 +65,54 @@ struct Gallery {
   }
 };
 
-// Of one VPL count: squares by object and level, and times.
+// Mean over the points of the variance between shaded points of several seeds, over the square of their mean.
+double find_relative_variance(const std::vector<ShadedPoints>& seeds, std::size_t points) {
+  const auto n = static_cast<double>(seeds.size());
+  double variance = 0, mean = 0;
+  for (std::size_t i = 0; i < points; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      double sum = 0, squares = 0;
+      for (const ShadedPoints& shaded : seeds) {
+        const Vec3 light = shaded.radiance[shaded.index(0, 0, i)];
+        const double value = std::array{light.x, light.y, light.z}[c];
+        sum += value;
+        squares += value * value;
+      }
+      variance += (squares - sum * sum / n) / (n - 1);
+      mean += sum / n;
+    }
+  }
+  const auto count = static_cast<double>(3 * points);
+  return variance / count / std::pow(mean / count, 2);
+}
+
+// Of one VPL count: squares and variances by object and level, and times.
 struct CountRun {
   std::vector<Levels> squares;
+  std::vector<Levels> variances;  // between seeds, relative
   double set_s = 0;
   std::vector<Levels> shade_s;
 };
 
 CountRun run_count(const Gallery& gallery, std::int64_t count) {
   const std::size_t objects = gallery.points.size();
-  CountRun run{std::vector<Levels>(objects), 0, std::vector<Levels>(objects)};
+  CountRun run{std::vector<Levels>(objects), std::vector<Levels>(objects), 0, std::vector<Levels>(objects)};
+  std::vector<LightTree> trees(kSeeds);
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    LightTree tree;
     run.set_s += time_s([&] {
                    const auto random = static_cast<std::uint64_t>(seed);
                    VplSet set = trace_vpls(gallery.world, gallery.materials,
                                            find_path_count(gallery.world, count, random), random, "gallery");
                    VplList list = std::move(set.shared);
                    list.append(set.own);
-                   tree = make_light_tree(std::move(list), {random, 4});
+                   trees[random - 1] = make_light_tree(std::move(list), {random, 4});
                  }) /
                  kSeeds;
-    for (std::size_t object = 0; object < objects; ++object) {
-      for (std::size_t level = 0; level < kClampLevelCount; ++level) {
+  }
+  for (std::size_t object = 0; object < objects; ++object) {
+    for (std::size_t level = 0; level < kClampLevelCount; ++level) {
+      std::vector<ShadedPoints> seeds;
+      for (const LightTree& tree : trees) {
         ShadedPoints shaded;
         run.shade_s[object][level] +=
             time_s([&] {
@@ -90,10 +121,63 @@ CountRun run_count(const Gallery& gallery, std::int64_t count) {
             }) /
             kSeeds;
         run.squares[object][level] += gallery.compare(object, shaded, 0) / kSeeds;
+        seeds.push_back(std::move(shaded));
       }
+      run.variances[object][level] = find_relative_variance(seeds, gallery.points[object].size());
     }
   }
   return run;
+}
+
+// Of giving back what a level takes from an object: seconds times relative variance, so that a relative
+// standard error e costs this over e^2 seconds.
+std::vector<Levels> measure_compensation(const Gallery& gallery) {
+  std::vector<Levels> costs(gallery.points.size());
+  for (std::size_t object = 0; object < costs.size(); ++object) {
+    PathMap map(static_cast<std::size_t>(kWidth) * kHeight, 0);
+    for (const ShadingPoint& point : gallery.points[object]) map[point.pixel] = kCompensationPaths / kBatches;
+    for (std::size_t level = 1; level < kClampLevelCount; ++level) {  // C0 takes nothing
+      CompensationParams params;
+      params.clamps_per_m2 = {all_levels()[level]};
+      params.stream_name = "gallery";
+      params.clamped_alone = true;
+      std::vector<TracedLayer> given;
+      const double seconds = time_s([&] {
+        given = trace_compensation({gallery.world, gallery.materials, gallery.primary}, map, params,
+                                   [](double) {});
+      });
+      double variance = 0, mean = 0;
+      for (const ShadingPoint& point : gallery.points[object]) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          variance += std::pow(given[0].standard_error.pixel(point.pixel)[c], 2);
+          mean += gallery.reference.mean.pixel(point.pixel)[c];
+        }
+      }
+      const auto count = static_cast<double>(3 * gallery.points[object].size());
+      costs[object][level] = seconds * variance / count / std::pow(mean / count, 2);
+    }
+  }
+  return costs;
+}
+
+// The least clamp under which the VPL sets differ by no more than is allowed; C10 where none does.
+std::size_t find_safe_level(const Levels& variances) {
+  std::size_t level = 0;
+  while (level + 1 < kClampLevelCount && std::sqrt(variances[level]) > kSafeSpread) ++level;
+  return level;
+}
+
+// Seconds until every object errs by kCompensatedError: VPL set, cuts, and paths that give back.
+double find_compensated_time(const CountRun& run, const std::vector<Levels>& costs,
+                             const std::vector<std::size_t>& levels) {
+  double seconds = run.set_s;
+  for (std::size_t object = 0; object < levels.size(); ++object) {
+    const std::size_t level = levels[object];
+    const double left = kCompensatedError * kCompensatedError - run.variances[object][level];
+    if (left <= 0) return std::numeric_limits<double>::infinity();
+    seconds += run.shade_s[object][level] + costs[object][level] / left;
+  }
+  return seconds;
 }
 
 struct Choice {
@@ -138,10 +222,25 @@ double find_time(const std::vector<Choice>& curve, double error) {
   return a.seconds * std::pow(b.seconds / a.seconds, share);
 }
 
-std::string format_levels(const Choice& choice) {
+std::string format_levels(const std::vector<std::size_t>& levels) {
   std::string text;
-  for (const std::size_t level : choice.levels) text += fmt::format("{}C{}", text.empty() ? "" : " ", level);
+  for (const std::size_t level : levels) text += fmt::format("{}C{}", text.empty() ? "" : " ", level);
   return text;
+}
+
+// What is given back makes every level right; so the least safe one costs least.
+void print_compensated(const std::vector<CountRun>& runs, const std::vector<Levels>& costs) {
+  fmt::print(
+      "\n| VPLs | one safe level | s | a safe level each | s | ratio |\n|---|---|---:|---|---:|---:|\n");
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::vector<std::size_t> each;
+    for (const Levels& variances : runs[i].variances) each.push_back(find_safe_level(variances));
+    const std::vector<std::size_t> one(each.size(), *std::max_element(each.begin(), each.end()));
+    const double seconds = find_compensated_time(runs[i], costs, one),
+                 seconds_each = find_compensated_time(runs[i], costs, each);
+    fmt::print("| {} | C{} | {:.2f} | {} | {:.2f} | {:.2f} |\n", format_vpl_count(kCounts[i]), one.front(),
+               seconds, format_levels(each), seconds_each, seconds / seconds_each);
+  }
 }
 
 }  // namespace
@@ -150,11 +249,12 @@ std::string format_levels(const Choice& choice) {
 int main() {
   using namespace equilux;
   const Gallery gallery;
+  std::vector<CountRun> runs;
   std::vector<Choice> one, each;
   for (const std::int64_t count : kCounts) {
-    const CountRun run = run_count(gallery, count);
-    one.push_back(choose_one(run));
-    each.push_back(choose_each(run));
+    runs.push_back(run_count(gallery, count));
+    one.push_back(choose_one(runs.back()));
+    each.push_back(choose_each(runs.back()));
   }
   fmt::print("Objects: ");
   for (const std::string& name : gallery.world.objects()) fmt::print("{} ", name);
@@ -166,7 +266,8 @@ int main() {
     const double seconds = find_time(one, each[i].error);
     fmt::print("| {} | {} | {:.2f} | {:.1f} | {} | {:.2f} | {:.1f} | {:.2f} | {:.2f} |\n",
                format_vpl_count(kCounts[i]), format_clamp(static_cast<int>(one[i].levels[0])), one[i].seconds,
-               100 * one[i].error, format_levels(each[i]), each[i].seconds, 100 * each[i].error, seconds,
-               seconds / each[i].seconds);
+               100 * one[i].error, format_levels(each[i].levels), each[i].seconds, 100 * each[i].error,
+               seconds, seconds / each[i].seconds);
   }
+  print_compensated(runs, measure_compensation(gallery));
 }
