@@ -20,9 +20,8 @@ RandomStream make_stream(Experiment experiment, SubjectKind kind, const char* wh
 }
 
 // Each cell once before any comes again, and each combination of view and side too.
-std::vector<TrialRow> draw_obvious_trials(const Study& study, Experiment experiment, int count, Phase phase,
-                                          RandomStream random) {
-  std::vector<Cell> cells = enumerate_obvious_cells(study, experiment);
+std::vector<TrialRow> draw_obvious_trials(const Study& study, Experiment experiment, std::vector<Cell> cells,
+                                          int count, Phase phase, RandomStream random) {
   std::vector<unsigned> combos;
   std::vector<TrialRow> trials;
   for (int i = 0; i < count; ++i) {
@@ -62,13 +61,19 @@ std::vector<TrialRow> spread(std::vector<TrialRow> counted, std::vector<TrialRow
   return all;
 }
 
-std::int64_t find_fewest_vpls(const Study& study, const Object& object) {
-  std::int64_t fewest = 0;
+// Of an object, the most obvious first.
+std::vector<Cell> order_by_obviousness(const Study& study, Experiment experiment, const Object& object) {
+  std::set<std::int64_t> counts;
   for (const Column& column : enumerate_columns(study)) {
-    if (column.object != object) continue;
-    if (fewest == 0 || column.vpl_count < fewest) fewest = column.vpl_count;
+    if (column.object == object) counts.insert(column.vpl_count);
   }
-  return fewest;
+  std::vector<int> levels = study.clamp_levels;
+  if (experiment == Experiment::kMaterial) std::reverse(levels.begin(), levels.end());
+  std::vector<Cell> cells;
+  for (const int level : levels) {
+    for (const std::int64_t count : counts) cells.push_back({{object, count}, level, study.normalise});
+  }
+  return cells;
 }
 
 void add_keys(const TrialRow& trial, std::set<std::string>& keys) {
@@ -78,8 +83,9 @@ void add_keys(const TrialRow& trial, std::set<std::string>& keys) {
 }
 
 // What any subject's practice and catch trials may show.
-void add_obvious_keys(const Study& study, Experiment experiment, std::set<std::string>& keys) {
-  for (const Cell& cell : enumerate_obvious_cells(study, experiment)) {
+void add_obvious_keys(const Study& study, Experiment experiment, const std::vector<Cell>& cells,
+                      std::set<std::string>& keys) {
+  for (const Cell& cell : cells) {
     for (const std::string& material : enumerate_reference_materials(study, cell.column.object)) {
       for (unsigned combo = 0; combo < kComboCount; ++combo)
         add_keys(make_trial(study, experiment, cell, combo, material), keys);
@@ -89,20 +95,27 @@ void add_obvious_keys(const Study& study, Experiment experiment, std::set<std::s
 
 }  // namespace
 
-std::vector<Cell> enumerate_obvious_cells(const Study& study, Experiment experiment) {
-  const int level =
-      experiment == Experiment::kArtifact ? study.clamp_levels.front() : study.clamp_levels.back();
+std::vector<Cell> enumerate_obvious_cells(const Study& study, Experiment experiment,
+                                          const std::vector<Cell>& counted) {
+  const std::set<Cell> taken(counted.begin(), counted.end());
   std::vector<Cell> cells;
-  for (const Object& object : enumerate_objects(study))
-    cells.push_back({{object, find_fewest_vpls(study, object)}, level, study.normalise});
+  for (const Object& object : enumerate_objects(study)) {
+    const std::vector<Cell> own = order_by_obviousness(study, experiment, object);
+    const auto free =
+        std::find_if(own.begin(), own.end(), [&](const Cell& cell) { return !taken.contains(cell); });
+    cells.push_back(free == own.end() ? own.front() : *free);
+  }
   return cells;
 }
 
 std::vector<TrialRow> add_extra_trials(std::vector<TrialRow> counted, const Study& study,
                                        const SessionProtocol& protocol, Experiment experiment,
                                        SubjectKind kind, std::uint64_t session_seed, std::int64_t index) {
+  std::vector<Cell> cells;
+  for (const TrialRow& trial : counted) cells.push_back(trial.cell);
+  const std::vector<Cell> obvious = enumerate_obvious_cells(study, experiment, cells);
   const auto draw = [&](const char* what, int count, Phase phase) {
-    return draw_obvious_trials(study, experiment, count, phase,
+    return draw_obvious_trials(study, experiment, obvious, count, phase,
                                make_stream(experiment, kind, what, session_seed, index));
   };
   std::vector<TrialRow> all = draw("practice", protocol.practice_trials, Phase::kPractice);
@@ -115,13 +128,13 @@ std::vector<TrialRow> add_extra_trials(std::vector<TrialRow> counted, const Stud
 }
 
 std::vector<FamiliarPage> enumerate_familiar_pages(const Study& study, const SessionProtocol& protocol,
-                                                   Experiment experiment) {
+                                                   Experiment experiment, const std::vector<Cell>& counted) {
   std::vector<FamiliarPage> pages;
   if (protocol.shows_objects) {
     for (const Object& object : enumerate_objects(study))
       pages.push_back({format_key(Family{object, 0}), ""});
   }
-  const std::vector<Cell> cells = enumerate_obvious_cells(study, experiment);
+  const std::vector<Cell> cells = enumerate_obvious_cells(study, experiment, counted);
   const auto count = std::min(cells.size(), static_cast<std::size_t>(protocol.examples));
   for (std::size_t i = 0; i < count; ++i) {
     const Cell& cell = cells[i * cells.size() / count];  // evenly over the objects
@@ -131,10 +144,11 @@ std::vector<FamiliarPage> enumerate_familiar_pages(const Study& study, const Ses
 }
 
 std::vector<std::string> enumerate_extra_keys(const Study& study, const SessionProtocol& protocol,
-                                              Experiment experiment) {
+                                              Experiment experiment, const std::vector<Cell>& counted) {
   std::set<std::string> keys;
-  if (protocol.practice_trials > 0 || protocol.catch_trials) add_obvious_keys(study, experiment, keys);
-  for (const FamiliarPage& page : enumerate_familiar_pages(study, protocol, experiment)) {
+  if (protocol.practice_trials > 0 || protocol.catch_trials)
+    add_obvious_keys(study, experiment, enumerate_obvious_cells(study, experiment, counted), keys);
+  for (const FamiliarPage& page : enumerate_familiar_pages(study, protocol, experiment, counted)) {
     keys.insert(page.left_key);
     if (!page.right_key.empty()) keys.insert(page.right_key);
   }

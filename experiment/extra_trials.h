@@ -9,9 +9,12 @@
 
 namespace equilux {
 
-/// Pictures whose difference nobody misses, one cell for each object: the fewest VPLs, not clamped in the
-/// artifact experiment, clamped the most in the material one.
-std::vector<Cell> enumerate_obvious_cells(const Study& study, Experiment experiment);
+/// Pictures whose difference nobody misses, one cell for each object: in the artifact experiment clamped the
+/// least, in the material one the most, and of those with the fewest VPLs; none that is `counted`, so that
+/// nothing counted is given away by a label, by feedback or by having been seen. An object all of whose cells
+/// are counted gives one all the same.
+std::vector<Cell> enumerate_obvious_cells(const Study& study, Experiment experiment,
+                                          const std::vector<Cell>& counted);
 
 /// The counted trials with the protocol's practice before them and its catch trials among them, one in each
 /// of as many equal stretches, numbered anew. Views and sides of each kind are balanced as those of the
@@ -28,10 +31,10 @@ struct FamiliarPage {
 
 /// All objects as references, then labelled pairs. The same for every subject.
 std::vector<FamiliarPage> enumerate_familiar_pages(const Study& study, const SessionProtocol& protocol,
-                                                   Experiment experiment);
+                                                   Experiment experiment, const std::vector<Cell>& counted);
 
 /// Pictures that practice, catch trials and familiarisation may show, each once, sorted.
 std::vector<std::string> enumerate_extra_keys(const Study& study, const SessionProtocol& protocol,
-                                              Experiment experiment);
+                                              Experiment experiment, const std::vector<Cell>& counted);
 
 }  // namespace equilux

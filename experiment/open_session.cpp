@@ -168,7 +168,7 @@ std::optional<TrialLog> find_log(const StudyFolder& folder) {
 
 std::vector<std::string> enumerate_session_keys(const SessionInputs& inputs) {
   std::vector<std::string> keys = enumerate_showable(inputs.study, inputs.experiment, inputs.cells);
-  const auto extra = enumerate_extra_keys(inputs.study, inputs.protocol, inputs.experiment);
+  const auto extra = enumerate_extra_keys(inputs.study, inputs.protocol, inputs.experiment, inputs.cells);
   std::vector<std::string> all;
   std::set_union(keys.begin(), keys.end(), extra.begin(), extra.end(), std::back_inserter(all));
   return all;
@@ -197,7 +197,8 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
   }
   inputs.protocol = load_session_protocol(folder.session());
   inputs.digests.protocol = inputs.protocol.digest;
-  inputs.familiar_pages = enumerate_familiar_pages(inputs.study, inputs.protocol, inputs.experiment);
+  inputs.familiar_pages =
+      enumerate_familiar_pages(inputs.study, inputs.protocol, inputs.experiment, inputs.cells);
   const auto keys = enumerate_session_keys(inputs);
   inputs.digests.manifest = digest_pictures(manifest, keys, folder.manifest().string());
   refuse_findings(verify_pictures(folder, inputs.study, manifest, keys), folder);

@@ -25,8 +25,7 @@ SessionProtocol make_protocol(int practice, int catches) {
 class ExtraTrials : public ::testing::TestWithParam<std::tuple<std::string, Experiment>> {
  protected:
   std::vector<TrialRow> make_counted(std::int64_t index) const {
-    const auto cells = enumerate_artifact_cells(study_, load_windows(study_.windows_path, study_));
-    return make_schedule(study_, experiment_, cells, SubjectKind::kPerson, 100 + index, index);
+    return make_schedule(study_, experiment_, cells_, SubjectKind::kPerson, 100 + index, index);
   }
   std::vector<TrialRow> make(const SessionProtocol& protocol, std::int64_t index) const {
     return add_extra_trials(make_counted(index), study_, protocol, experiment_, SubjectKind::kPerson,
@@ -35,6 +34,7 @@ class ExtraTrials : public ::testing::TestWithParam<std::tuple<std::string, Expe
 
   Study study_ = load_protocol(std::get<0>(GetParam()));
   Experiment experiment_ = std::get<1>(GetParam());
+  std::vector<Cell> cells_ = enumerate_artifact_cells(study_, load_windows(study_.windows_path, study_));
 };
 
 INSTANTIATE_TEST_SUITE_P(Schedule, ExtraTrials,
@@ -99,6 +99,35 @@ TEST_P(ExtraTrials, ShowTheMostObviousLevelOfTheFewestVpls) {
   }
 }
 
+// All columns counted at every other level and the last, as pruning keeps them, and one column whole.
+TEST_P(ExtraTrials, ShowNothingThatIsCounted) {
+  const Column whole = enumerate_columns(study_).front();
+  cells_.clear();
+  for (const Cell& cell : enumerate_cells(study_)) {
+    if (cell.clamp_level % 2 == 0 || cell.column == whole) cells_.push_back(cell);
+  }
+  SessionProtocol protocol = make_protocol(20, 20);
+  protocol.examples = 5;
+  std::set<std::string> counted;
+  for (const Cell& cell : cells_)
+    counted.insert({format_key(Condition{cell, 0}), format_key(Condition{cell, 1})});
+  for (const TrialRow& trial : make(protocol, 3)) {
+    if (trial.phase == Phase::kMain) continue;
+    EXPECT_FALSE(counted.contains(trial.test_key)) << trial.test_key;
+    EXPECT_EQ(trial.cell.clamp_level, experiment_ == Experiment::kArtifact ? 1 : 9) << "the next best";
+    if (trial.cell.column.object == whole.object) EXPECT_GT(trial.cell.column.vpl_count, whole.vpl_count);
+  }
+  for (const std::string& key : enumerate_extra_keys(study_, protocol, experiment_, cells_))
+    EXPECT_FALSE(counted.contains(key)) << key;
+}
+
+// Better a picture that is counted than no practice.
+TEST_P(ExtraTrials, ShowTheMostObviousWhereEverythingIsCounted) {
+  const auto all = enumerate_obvious_cells(study_, experiment_, enumerate_cells(study_));
+  EXPECT_EQ(all, enumerate_obvious_cells(study_, experiment_, {}));
+  EXPECT_EQ(all.size(), enumerate_objects(study_).size());
+}
+
 TEST_P(ExtraTrials, BalanceSidesAndViews) {
   std::map<std::pair<Side, char>, int> counts;
   for (const TrialRow& trial : make(make_protocol(8, 0), 0)) {
@@ -112,7 +141,7 @@ TEST_P(ExtraTrials, ShowOnlyWhatIsListedBeforehand) {
   SessionProtocol protocol = make_protocol(8, 8);
   protocol.shows_objects = true;
   protocol.examples = 3;
-  const auto keys = enumerate_extra_keys(study_, protocol, experiment_);
+  const auto keys = enumerate_extra_keys(study_, protocol, experiment_, cells_);
   for (std::int64_t index = 0; index < 10; ++index) {
     for (const TrialRow& trial : make(protocol, index)) {
       if (trial.phase == Phase::kMain) continue;
@@ -121,9 +150,9 @@ TEST_P(ExtraTrials, ShowOnlyWhatIsListedBeforehand) {
       if (!trial.upper_key.empty()) EXPECT_THAT(keys, Contains(trial.upper_key));
     }
   }
-  for (const FamiliarPage& page : enumerate_familiar_pages(study_, protocol, experiment_))
+  for (const FamiliarPage& page : enumerate_familiar_pages(study_, protocol, experiment_, cells_))
     EXPECT_THAT(keys, Contains(page.left_key));
-  EXPECT_THAT(enumerate_extra_keys(study_, {}, experiment_), IsEmpty());
+  EXPECT_THAT(enumerate_extra_keys(study_, {}, experiment_, cells_), IsEmpty());
 }
 
 TEST_P(ExtraTrials, DifferBetweenSubjectsAndRepeatForOne) {
@@ -148,7 +177,7 @@ TEST_P(ExtraTrials, TheFamiliarisationShowsEveryObjectThenLabelledPairs) {
   SessionProtocol protocol;
   protocol.shows_objects = true;
   protocol.examples = 2;
-  const auto pages = enumerate_familiar_pages(study_, protocol, experiment_);
+  const auto pages = enumerate_familiar_pages(study_, protocol, experiment_, cells_);
   const std::size_t objects = enumerate_objects(study_).size();
   ASSERT_EQ(pages.size(), objects + 2);
   std::set<std::string> shown;
