@@ -45,6 +45,18 @@ void renumber(ExperimentEvidence& part, std::map<std::int64_t, std::int64_t>& nu
   }
 }
 
+// Whose log holds a session: one that is copied, or merged into another, is in two.
+void check_is_new(std::map<std::string, std::string>& folders, const ExperimentEvidence& part,
+                  const std::string& folder) {
+  for (const SessionRow& row : part.finished) {
+    const auto [entry, is_new] = folders.try_emplace(row.uuid, folder);
+    if (!is_new)
+      throw InputError(folder, fmt::format("session {} of {}", row.id, row.participant),
+                       "each session in one log: leave a copy out, or a log that was merged",
+                       "one that " + entry->second + " has too");
+  }
+}
+
 void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
   append(all.finished, part.finished);
   append(all.answers, part.answers);
@@ -107,12 +119,15 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
   reserve_answers(parts, &Evidence::material, all.material.answers);
   std::int64_t next = 1;
   std::multiset<std::string> artifact_digests, material_digests;
+  std::map<std::string, std::string> holders;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (parts[i].kind != all.kind) {
       throw InputError(folders[i], "",
                        fmt::format("answers of the kind {}, as in {}", format_kind(all.kind), folders[0]),
                        format_kind(parts[i].kind));
     }
+    check_is_new(holders, parts[i].artifact, folders[i]);
+    check_is_new(holders, parts[i].material, folders[i]);
     std::map<std::int64_t, std::int64_t> numbers;
     renumber(parts[i].artifact, numbers, next, folders[i]);
     renumber(parts[i].material, numbers, next, folders[i]);

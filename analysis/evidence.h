@@ -46,7 +46,8 @@ ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, Subj
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted);
 
 /// Adds the evidence of several logs of one study up; sessions get new numbers 1, 2, ... in the order of
-/// `parts`, and the folder of each beside it. errors: InputError for parts of different kinds.
+/// `parts`, and the folder of each beside it. errors: InputError for parts of different kinds, and for a
+/// session that two of them have, by its uuid.
 Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::string>& folders);
 
 /// The answers of these sessions of an experiment. `sessions` is sorted.

@@ -249,10 +249,8 @@ std::string format_tracing(const std::vector<Report>& reports) {
   table.rows = {
       {"k and n of a cell", "cells.csv",
        "<code>SELECT cell, sum(answer = test_side), count(*) FROM trial JOIN session ON session.id = session "
-       "WHERE "
-       "kind = KIND AND experiment = EXPERIMENT AND complete = 1 GROUP BY cell</code> in each log, main "
-       "phase; added "
-       "up over logs"},
+       "WHERE kind = KIND AND experiment = EXPERIMENT AND complete = 1 AND phase = 'main' "
+       "GROUP BY cell</code> in each log; added up over logs"},
       {"intervals, p, q, posterior", "cells.csv",
        "k and n alone; q from the p of all tested cells of the experiment"},
       {"cuts, regions, EE", "thresholds.csv, ee.csv", "k and n of a column&rsquo;s cells, by the rule named"},
@@ -262,7 +260,8 @@ std::string format_tracing(const std::vector<Report>& reports) {
        "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed"},
       {"trends", "trends.csv", "verdicts of ee.csv and the resamples"},
       {"sessions, sides, times", "subjects.csv, order.csv",
-       "<code>SELECT * FROM trial WHERE session = SESSION ORDER BY trial</code>"}};
+       "<code>SELECT * FROM trial WHERE session = SESSION ORDER BY trial</code>; where logs are pooled, the "
+       "session of that participant in the log of the folder beside it"}};
   std::string folders;
   for (const Report& report : reports) {
     for (const std::string& folder : report.folders)

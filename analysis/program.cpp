@@ -125,10 +125,11 @@ FolderReading read_folder(const StudyFolder& folder, const AnalyzeParams& params
 
 // Sorted, so that the order on the command line changes nothing.
 std::vector<std::filesystem::path> sort_folders(const std::vector<std::filesystem::path>& folders) {
-  std::set<std::filesystem::path> sorted;
+  std::set<std::filesystem::path> sorted, real;
   for (const std::filesystem::path& folder : folders) {
     const auto path = (folder / "").lexically_normal().parent_path();
-    if (!sorted.insert(path.empty() ? folder : path).second)
+    sorted.insert(path.empty() ? folder : path);
+    if (!real.insert(std::filesystem::weakly_canonical(folder / "")).second)
       throw InputError(folder.string(), "", "each study folder once", "the same again");
   }
   return {sorted.begin(), sorted.end()};
@@ -152,6 +153,20 @@ std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
   return readings;
 }
 
+// In one log nobody finishes an experiment twice.
+void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment,
+                       std::vector<std::string>& warnings) {
+  std::map<std::string, int> finished;
+  for (const SessionRow& row : evidence.finished) ++finished[row.participant];
+  for (const auto& [participant, count] : finished) {
+    if (count > 1)
+      warnings.push_back(
+          fmt::format("Participant {} finished the {} experiment {} times, in different "
+                      "logs; if that is one person, {} answers each pair more than once",
+                      participant, format_experiment(experiment), count, participant));
+  }
+}
+
 Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& params) {
   std::vector<std::string> names, warnings;
   std::vector<Evidence> evidence;
@@ -163,9 +178,13 @@ Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& p
     evidence.push_back(std::move(reading.evidence));
     sources.push_back(std::move(reading.sources));
   }
-  Report report =
-      make_pooled_report(readings.front().study, pool_evidence(std::move(evidence), names), params.rule,
-                         pool_sources(std::move(sources)), params.uncertainty, warnings);
+  Evidence pool = pool_evidence(std::move(evidence), names);
+  if (pool.kind == SubjectKind::kPerson) {
+    warn_of_repeaters(pool.artifact, Experiment::kArtifact, warnings);
+    warn_of_repeaters(pool.material, Experiment::kMaterial, warnings);
+  }
+  Report report = make_pooled_report(readings.front().study, std::move(pool), params.rule,
+                                     pool_sources(std::move(sources)), params.uncertainty, warnings);
   if (names.size() > 1) report.folders = names;
   return report;
 }

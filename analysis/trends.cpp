@@ -300,7 +300,8 @@ Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule r
   const auto& earlier = from.uncertainty.resamples[r];
   const auto& later = to.uncertainty.resamples[r];
   std::vector<Resampled> rows;
-  for (std::size_t a = 0, b = 0; a < earlier.size(); a += from.findings.size(), b += to.findings.size()) {
+  for (std::size_t a = 0, b = 0; !later.empty() && a < earlier.size();
+       a += from.findings.size(), b += to.findings.size()) {
     EQ_CHECK(b + to.findings.size() <= later.size(), b, later.size());
     rows.insert(rows.end(), earlier.data() + a, earlier.data() + a + from.findings.size());
     rows.insert(rows.end(), later.data() + b, later.data() + b + to.findings.size());

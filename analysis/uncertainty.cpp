@@ -365,7 +365,7 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
     find_posterior(column, findings[c].column, columns[c], params);
   }
   ResampleRun run = resample_all(columns, artifact, material, params);
-  result.resamples = std::move(run.verdicts);
+  if (artifact.subjects() > 1 && material.subjects() > 1) result.resamples = std::move(run.verdicts);
   for (std::size_t c = 0; c < columns.size(); ++c)
     take_sums(result.columns[c], run.columns[c], artifact.subjects() > 1, material.subjects() > 1);
   find_flips(result.columns, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);

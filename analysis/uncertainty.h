@@ -59,7 +59,8 @@ enum class Resampled : std::uint8_t { kNone, kExists, kUntested };
 struct Uncertainty {
   std::vector<ColumnUncertainty> columns;  ///< one for each finding, in its order
   /// EE of every resample, for what is computed over columns. shape: by rule in order of kRules; resamples x
-  /// columns, row by row.
+  /// columns, row by row. Empty where an experiment has fewer than two subjects: drawn again, one says
+  /// nothing.
   std::array<std::vector<Resampled>, 2> resamples;
 };
 

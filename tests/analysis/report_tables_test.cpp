@@ -3,6 +3,7 @@
 #include "analysis/report_tables.h"
 
 #include <filesystem>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -17,6 +18,7 @@
 #include "protocols/session_protocol.h"
 #include "tests/analysis/columns.h"
 #include "tests/experiment/fake_trials.h"
+#include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
 namespace equilux::tests {
@@ -221,6 +223,34 @@ TEST_F(Folders, give_the_same_bytes_in_any_order) {
 TEST_F(Folders, given_twice_or_with_answers_of_two_kinds_are_refused) {
   EXPECT_THROW(load({"a", "a"}), InputError);
   EXPECT_THROW(load_reports(make_params({temporary_ / "a", temporary_ / "./a/"}, {})), InputError);
+  fs::create_directory_symlink("a", temporary_ / "link");
+  EXPECT_THROW(load({"a", "link"}), InputError);
+}
+
+TEST_F(Folders, that_hold_the_same_session_are_refused) {
+  fs::copy(temporary_ / "a", temporary_ / "copy", fs::copy_options::recursive);
+  EXPECT_THAT(message_of<InputError>([&] {
+                load({"a", "b", "copy"});
+              }),
+              testing::MatchesRegex(".*copy: session [0-9]+ of .*: expected each session in one log: .*, "
+                                    "got one that .*a has too"));
+}
+
+TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
+  const Study study = load_folder_study(StudyFolder{temporary_ / "a"});
+  for (const auto& [name, index] : {std::pair("a", 0), std::pair("b", 0), std::pair("b", 1)}) {
+    TrialLog log((temporary_ / name) / "responses.sqlite");
+    log.finish_session(log.append_session(make_person(index, study, ""), make_person_trials(study, 8)), 1);
+  }
+  AnalyzeParams params = make_params({temporary_ / "a", temporary_ / "b"}, {});
+  params.kind = SubjectKind::kPerson;
+  std::vector<std::string> repeaters;
+  for (const std::string& warning : load_reports(params)[0].warnings) {
+    if (warning.starts_with("Participant ")) repeaters.push_back(warning);
+  }
+  ASSERT_EQ(repeaters.size(), 1u);
+  EXPECT_TRUE(repeaters[0].starts_with("Participant P0 finished the artifact experiment 2 times"))
+      << repeaters[0];
 }
 
 TEST_F(Folders, make_tables_whose_every_column_is_explained) {

@@ -168,5 +168,21 @@ TEST(Trends, do_not_hold_where_other_subjects_could_have_given_the_opposite) {
       find_trend(find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty), "1k", "5M").holds);
 }
 
+TEST(Trends, do_not_hold_where_there_are_no_other_subjects) {
+  Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
+  const Case many = made;
+  made.uncertainty.resamples = {};  // of one subject
+  for (const Trend& trend : find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty)) {
+    EXPECT_FALSE(trend.interval) << trend.to;
+    EXPECT_FALSE(trend.holds) << trend.to;
+  }
+  for (const auto& [from, to] : {std::pair(&made, &many), std::pair(&many, &made)}) {
+    const Trend trend = compare_studies({"one", from->findings, from->uncertainty},
+                                        {"other", to->findings, to->uncertainty}, Rule::kPaper);
+    EXPECT_FALSE(trend.interval);
+    EXPECT_FALSE(trend.holds);
+  }
+}
+
 }  // namespace
 }  // namespace equilux::tests
