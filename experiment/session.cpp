@@ -78,6 +78,7 @@ Effects begin_after_break(Session& session, std::int64_t time_ns) {
 
 Effects leave_pause(Session& session, std::int64_t time_ns) {
   session.screen = session.paused;
+  if (session.break_from_ns) *session.break_from_ns += time_ns - session.paused_at_ns;  // a pause is no work
   Effects effects{RecordNote{"continue", "", time_ns}};
   if (session.screen == Screen::kTrial) {
     for (SessionEffect& effect : show_current(session, time_ns)) effects.push_back(std::move(effect));
@@ -163,6 +164,7 @@ bool is_over(Screen screen) { return screen == Screen::kThanks || screen == Scre
 Effects take(Session& session, const PauseEvent& event) {
   if (is_over(session.screen) || session.screen == Screen::kPause) return {};
   session.paused = session.screen;
+  session.paused_at_ns = event.time_ns;
   session.screen = Screen::kPause;
   session.onset_ns.reset();
   return {RecordNote{"pause", "", event.time_ns}};

@@ -112,6 +112,7 @@ struct Session {
   std::optional<int> last_answered = {};      ///< of this sitting
   std::optional<std::int64_t> onset_ns = {};  ///< of the current pair; empty while it is not on the screen
   int since_break = 0;                        ///< answers
+  std::int64_t paused_at_ns = 0;              ///< when the last pause began
   std::optional<std::int64_t> break_from_ns = {};  ///< since when the subject has been at it without a break
   Screen paused = Screen::kInstructions;           ///< where a pause goes back to
 };

@@ -2,11 +2,14 @@
 #include "experiment/withdraw.h"
 
 #include <algorithm>
+#include <cctype>
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
+#include "stimuli/study_folder.h"
 
 namespace equilux {
 namespace {
@@ -75,6 +78,28 @@ void erase_from_copy(const fs::path& copy, const std::vector<Tombstone>& tombsto
   rewrite_database(database);
 }
 
+// Not as a part of a longer code.
+bool has_word(const std::string& text, const std::string& word) {
+  const auto is_part = [&](std::size_t at) {
+    return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
+  };
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    if (!(at > 0 && is_part(at - 1)) && !is_part(at + word.size())) return true;
+  }
+  return false;
+}
+
+// Of analysis, in its usual place beside the log; of one elsewhere nothing is known.
+std::vector<fs::path> find_reports_with(const fs::path& log, const std::string& code) {
+  std::vector<fs::path> found;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(StudyFolder{log.parent_path()}.report_folder(), none)) {
+    if (entry.is_regular_file() && has_word(load_text(entry.path()), code)) found.push_back(entry.path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
 }  // namespace
 
 Withdrawal plan_withdrawal(const fs::path& log, const std::string& code) {
@@ -87,6 +112,7 @@ Withdrawal plan_withdrawal(const fs::path& log, const std::string& code) {
   withdrawal.answers = count_answers(database, withdrawal.sessions);
   withdrawal.copies = find_copies_with(log, code);
   withdrawal.exports = load_exports(database);
+  withdrawal.reports = find_reports_with(log, code);
   if (!withdrawal.withdrawn_utc && withdrawal.sessions.empty() && withdrawal.copies.empty())
     throw InputError(log.string(), "participant/code", "the code of a participant of this log", code);
   return withdrawal;
@@ -100,6 +126,8 @@ std::string format_withdrawal(const Withdrawal& withdrawal) {
                                        withdrawal.code, withdrawal.sessions.size(), withdrawal.answers);
   for (const SessionRow& session : withdrawal.sessions) text += format_session(session);
   for (const fs::path& copy : withdrawal.copies) text += fmt::format("  also in {}\n", copy.string());
+  for (const fs::path& report : withdrawal.reports)
+    text += fmt::format("  also in {}, which is yours to delete or to make again\n", report.string());
   return text + format_exports(withdrawal.exports);
 }
 

@@ -15,11 +15,12 @@ namespace equilux {
 /// What a withdrawal will erase, and what it cannot reach.
 struct Withdrawal {
   std::string code;
-  std::optional<std::string> withdrawn_utc;   ///< of an earlier one, which this one only finishes
-  std::vector<SessionRow> sessions;           ///< in the log
-  int answers = 0;                            ///< in the log
-  std::vector<std::filesystem::path> copies;  ///< kept copies that hold the code
-  std::vector<ExportRow> exports;             ///< earlier ones: files that may hold these answers
+  std::optional<std::string> withdrawn_utc;    ///< of an earlier one, which this one only finishes
+  std::vector<SessionRow> sessions;            ///< in the log
+  int answers = 0;                             ///< in the log
+  std::vector<std::filesystem::path> copies;   ///< kept copies that hold the code
+  std::vector<ExportRow> exports;              ///< earlier ones: files that may hold these answers
+  std::vector<std::filesystem::path> reports;  ///< files of the study folder's report that hold the code
 };
 
 /// Looks without touching anything. errors: InputError where neither log nor copies know the code and nobody

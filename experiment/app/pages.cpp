@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <imgui.h>
+#include <vector>
 
 namespace equilux {
 namespace {
@@ -13,6 +14,35 @@ constexpr float kPageMargin = 24;
 constexpr float kPadding = 16;
 constexpr float kIndent = 40;
 constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
+constexpr float kEndless = 1e6F;  // pixels that no line has
+constexpr float kLeastText = 12;  // pixels, below which nobody reads
+
+struct BrokenText {
+  float size;  ///< of letters, and from line to line; units: pixels
+  std::vector<std::string> lines;
+};
+
+std::vector<std::string> break_lines(const ImFont& font, float size, const std::string& text, float width) {
+  std::vector<std::string> lines;
+  const char *begin = text.c_str(), *end = begin + text.size();
+  do {
+    const char* stop = font.CalcWordWrapPositionA(size / font.FontSize, begin, end, width);
+    if (stop == begin && begin != end) ++stop;
+    lines.emplace_back(begin, stop);
+    for (begin = stop; begin != end && *begin == ' ';) ++begin;
+  } while (begin != end);
+  return lines;
+}
+
+// As large as the place allows, at most the font's own size.
+BrokenText fit_text(const ImFont& font, const std::string& text, const Rectangle& place) {
+  for (float size = font.FontSize;; size = std::max(kLeastText, std::floor(0.95F * size))) {
+    BrokenText broken{size, break_lines(font, size, text, static_cast<float>(place.width))};
+    if (size <= kLeastText ||
+        size * static_cast<float>(broken.lines.size()) <= static_cast<float>(place.height))
+      return broken;
+  }
+}
 
 }  // namespace
 
@@ -88,11 +118,18 @@ void FullPage::say(const std::string& line) const { ImGui::TextWrapped("%s", lin
 
 void draw_line(const Gui& gui, const Rectangle& place, const std::string& text) {
   ImFont* font = gui.text_font();
-  const ImVec2 size = font->CalcTextSizeA(font->FontSize, 1e6F, 0, text.c_str());
-  const ImVec2 corner(
-      std::floor(static_cast<float>(place.x) + (static_cast<float>(place.width) - size.x) / 2),
-      std::floor(static_cast<float>(place.y) + (static_cast<float>(place.height) - size.y) / 2));
-  ImGui::GetBackgroundDrawList()->AddText(font, font->FontSize, corner, kBlack, text.c_str());
+  const BrokenText broken = fit_text(*font, text, place);
+  const float top =
+      static_cast<float>(place.y) +
+      (static_cast<float>(place.height) - broken.size * static_cast<float>(broken.lines.size())) / 2;
+  for (std::size_t i = 0; i < broken.lines.size(); ++i) {
+    const std::string& line = broken.lines[i];
+    const float width = font->CalcTextSizeA(broken.size, kEndless, 0, line.c_str()).x;
+    const ImVec2 corner(
+        std::floor(static_cast<float>(place.x) + (static_cast<float>(place.width) - width) / 2),
+        std::floor(top + broken.size * static_cast<float>(i)));
+    ImGui::GetBackgroundDrawList()->AddText(font, broken.size, corner, kBlack, line.c_str());
+  }
 }
 
 }  // namespace equilux

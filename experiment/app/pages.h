@@ -36,7 +36,8 @@ class FullPage {
   void say(const std::string& line) const;
 };
 
-/// One line in the middle of a rectangle, without a page.
+/// A line in the middle of a rectangle, without a page; where it has no room it breaks, and is drawn smaller
+/// than the text scale asks for.
 void draw_line(const Gui& gui, const Rectangle& place, const std::string& text);
 
 }  // namespace equilux

@@ -8,9 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <string_view>
+#include <string>
 
 #include "experiment/app/gl.h"
+#include "experiment/app/monitor_names.h"
 
 namespace equilux {
 namespace {
@@ -36,29 +37,6 @@ std::string describe_gamma_ramp(GLFWmonitor* monitor) {
   return "identity";
 }
 
-// The profile description of an ICC file: tag 'desc', as text or as the first record of a 'mluc'. source:
-// ICC.1:2010
-std::string find_profile_name(std::string_view profile) {
-  const auto number = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<unsigned char>(profile[at + i]);
-    return value;
-  };
-  if (profile.size() < 132) return "";
-  const std::size_t tags = std::min<std::size_t>(number(128), (profile.size() - 132) / 12);
-  for (std::size_t i = 0; i < tags; ++i) {
-    const std::size_t tag = 132 + 12 * i;
-    const std::size_t from = number(tag + 4), size = number(tag + 8);
-    if (profile.substr(tag, 4) != "desc" || from > profile.size() || size > profile.size() - from) continue;
-    std::string name;
-    for (const char letter : profile.substr(from, size).substr(std::min<std::size_t>(size, 12))) {
-      if (letter >= ' ' && letter <= '~') name += letter;
-    }
-    return name.substr(0, 100);
-  }
-  return "";
-}
-
 std::string read_icc_profile(::Display* x) {
   const Atom atom = XInternAtom(x, "_ICC_PROFILE", True);
   if (atom == None) return "";
@@ -75,7 +53,11 @@ std::string read_icc_profile(::Display* x) {
   return profile;
 }
 
+// The window system keeps the first monitor's under this name; which one is meant is certain with one alone.
 std::string describe_icc_profile() {
+  int monitors = 0;
+  glfwGetMonitors(&monitors);
+  if (monitors != 1) return kNotKnown;
   ::Display* x = XOpenDisplay(nullptr);
   if (!x) return kNotKnown;
   const std::string profile = read_icc_profile(x);

@@ -5,10 +5,13 @@
 #include <GLFW/glfw3.h>
 #include <algorithm>
 #include <chrono>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <utility>
 
 #include "base/error.h"
 #include "experiment/app/gl.h"
+#include "experiment/app/monitor_names.h"
 
 namespace equilux {
 namespace {
@@ -28,15 +31,20 @@ std::vector<GLFWmonitor*> list_monitors() {
   return {monitors, monitors + count};
 }
 
+std::vector<std::string> label(const std::vector<GLFWmonitor*>& monitors) {
+  std::vector<std::string> names;
+  for (GLFWmonitor* monitor : monitors) names.emplace_back(glfwGetMonitorName(monitor));
+  return label_monitors(names);
+}
+
 GLFWmonitor* find_monitor(const std::string& name) {
-  std::string names;
-  for (GLFWmonitor* monitor : list_monitors()) {
-    const std::string other = glfwGetMonitorName(monitor);
-    if (name.empty() || name == other) return monitor;
-    names += (names.empty() ? "" : ", ") + other;
-  }
-  if (names.empty()) throw InputError("--monitor", "", "a monitor", "none connected");
-  throw InputError("--monitor", "", "one of " + names, "\"" + name + "\"");
+  const auto monitors = list_monitors();
+  if (monitors.empty()) throw InputError("--monitor", "", "a monitor", "none connected");
+  if (name.empty()) return monitors.front();
+  const auto labels = label(monitors);
+  const auto found = std::find(labels.begin(), labels.end(), name);
+  if (found != labels.end()) return monitors[static_cast<std::size_t>(found - labels.begin())];
+  throw InputError("--monitor", "", fmt::format("one of {}", fmt::join(labels, ", ")), "\"" + name + "\"");
 }
 
 void set_hints(bool is_visible) {
@@ -133,7 +141,12 @@ Display::Display(const std::string& monitor) {
 
 Display::~Display() { glfwTerminate(); }
 
-std::string Display::monitor_name() const { return glfwGetMonitorName(monitor_); }
+std::string Display::monitor_name() const {
+  const auto monitors = list_monitors();
+  const auto found = std::find(monitors.begin(), monitors.end(), monitor_);
+  if (found == monitors.end()) return glfwGetMonitorName(monitor_);
+  return label(monitors)[static_cast<std::size_t>(found - monitors.begin())];
+}
 
 Size Display::size() const {
   const GLFWvidmode* mode = glfwGetVideoMode(monitor_);

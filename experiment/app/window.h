@@ -25,9 +25,9 @@ class Display {
   Display(const Display&) = delete;
   Display& operator=(const Display&) = delete;
 
-  std::string monitor_name() const;
-  Size size() const;         ///< of the current video mode; units: pixels
-  Size reported_mm() const;  ///< as the system says; 0 where it does not know
+  std::string monitor_name() const;  ///< as it can be chosen by
+  Size size() const;                 ///< of the current video mode; units: pixels
+  Size reported_mm() const;          ///< as the system says; 0 where it does not know
   GLFWmonitor* monitor() const { return monitor_; }
 
  private:

@@ -176,9 +176,11 @@ TEST(Trends, do_not_hold_where_there_are_no_other_subjects) {
     EXPECT_FALSE(trend.interval) << trend.to;
     EXPECT_FALSE(trend.holds) << trend.to;
   }
-  for (const auto& [from, to] : {std::pair(&made, &many), std::pair(&many, &made)}) {
-    const Trend trend = compare_studies({"one", from->findings, from->uncertainty},
-                                        {"other", to->findings, to->uncertainty}, Rule::kPaper);
+  const ComparedStudy one{"one", made.findings, made.uncertainty},
+      other{"other", many.findings, many.uncertainty};
+  for (const bool turned : {false, true}) {
+    const Trend trend =
+        turned ? compare_studies(other, one, Rule::kPaper) : compare_studies(one, other, Rule::kPaper);
     EXPECT_FALSE(trend.interval);
     EXPECT_FALSE(trend.holds);
   }

@@ -256,6 +256,20 @@ TEST(Session, RestsAfterSoLongSinceTheLastBreak) {
   EXPECT_EQ(session.screen, Screen::kTrial);
 }
 
+TEST(Session, DoesNotCountAPauseAsTimeWithoutABreak) {
+  Session session = make_session(Experiment::kArtifact, make_fake_trials(6), {.break_every_ns = 1000});
+  advance(session, ContinueEvent{50});
+  answer(session, 100);
+  advance(session, PauseEvent{200});
+  advance(session, ContinueEvent{9000});
+  answer(session, 9001, 100);
+  EXPECT_EQ(session.screen, Screen::kTrial) << "8800 of 9051 were a pause";
+  answer(session, 9700, 149);
+  EXPECT_EQ(session.screen, Screen::kTrial) << "999 at it";
+  answer(session, 9849, 1);
+  EXPECT_EQ(session.screen, Screen::kBreak);
+}
+
 TEST(Session, MarksAnswersThatCameTooSoonAndKeepsThem) {
   Session session = make_session(Experiment::kArtifact, make_fake_trials(2), {.least_response_ns = 200});
   advance(session, ContinueEvent{0});

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "experiment/log_schema.h"
 #include "experiment/status.h"
 #include "tests/experiment/child.h"
@@ -158,6 +159,10 @@ TEST_F(Withdraw, OnceMoreChangesNothing) {
 TEST_F(Withdraw, PlansWithoutTouchingAnything) {
   make_log(2);
   TrialLog(path_).append_export("/somewhere/answers");
+  const fs::path report = path_.parent_path() / "report";
+  fs::create_directories(report);
+  save_text(report / "subjects.csv", std::string("artifact,") + kCode + ",12");
+  save_text(report / "ee.csv", std::string("of ") + kCode + "0 and nobody else");
   const std::string digest = digest_file(path_);
   const Withdrawal plan = plan_withdrawal(path_, kCode);
   EXPECT_EQ(digest_file(path_), digest);
@@ -165,7 +170,8 @@ TEST_F(Withdraw, PlansWithoutTouchingAnything) {
   EXPECT_EQ(plan.answers, 4);
   EXPECT_THAT(format_withdrawal(plan),
               AllOf(HasSubstr("sessions 2, answers 4"), HasSubstr("material, index 1"),
-                    HasSubstr("/somewhere/answers")));
+                    HasSubstr("/somewhere/answers"),
+                    HasSubstr("also in " + (report / "subjects.csv").string()), Not(HasSubstr("ee.csv"))));
 }
 
 TEST_F(Withdraw, OfACodeThatNobodyHasIsAnError) {
