@@ -269,7 +269,7 @@ TEST(Omission, OfPartsOfOtherConditionsKeepsEveryBit) {
     {"name":"grey","model":"lambertian","rho_d":[0.5,0.5,0.5]}])";
   text.lights.insert(
       text.lights.rfind(']'),
-      R"(,{"illuminations":["dir"],"rectangle":{"corner":[0,-9,0],"u":[1,0,0],"v":[0,0,1],"radiance":[7,1,1]}})");
+      R"(,{"illuminations":["dir"],"rectangle":{"corner":[0,-9,0],"u":[0,0,1],"v":[1,0,0],"radiance":[7,1,1]}})");
   const Scene scene = test::make_scene(text);
   ASSERT_EQ(scene.meshes.size(), 2u);
   ASSERT_EQ(scene.materials.size(), 2u);

@@ -192,7 +192,10 @@ TEST_F(Verify, FindsWhatTheRecordsSayAgainstTheirLayers) {
   Json& reference = layers.by_name.at("G0-GS-dir-ref-v1.indirect").reference;
   const auto set_check = [&](double z) {
     Json check{Json::Array{}};
-    check.push(Json().set("region", "contact band").set("z", z));
+    Json row;
+    row.set("region", "contact band").set("pixels", 9).set("mean", 1.0).set("standard_error", 0.1);
+    row.set("path_traced", 1.0).set("path_traced_error", 0.1).set("z", z);
+    check.push(std::move(row));
     reference.set("check", std::move(check));
     save_layers(layers, folder_.layers());
   };

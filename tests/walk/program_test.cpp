@@ -331,7 +331,7 @@ TEST(Analyze, RefusesPicturesThatDoNotVerifyUnlessItMaySaySo) {
                      "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
   EXPECT_THAT(run_well("analyze", {"report", root, "--no-verify"}),
               HasSubstr("warning: Of the pictures 1 do not verify, the first G0-MS-ind-1k-C7-v0"));
-  const std::string out = (temporary.path() / "windows.json").string();
+  const std::string out = (temporary.path() / "chosen.json").string();
   for (const Words& words :
        {Words{"prune", root, "--kind", "planted"}, Words{"windows", root, "--out", out}}) {
     expect_input_error("analyze", words, "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
