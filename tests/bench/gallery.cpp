@@ -20,9 +20,10 @@ using bench::time_s;
 
 constexpr int kSeeds = 3, kWidth = 280, kHeight = 210, kPositions = 1, kReferencePaths = 2048;
 // With what the clamps took given back: paths a pixel by which its cost is measured; how much the sets of a
-// safe level differ by; what each object may err by in all. Relative to its mean light, rms over its points.
+// safe level may differ; what is given back may err by. Relative to an object's mean light, rms over its
+// points.
 constexpr int kCompensationPaths = 64;
-constexpr double kSafeSpread = 0.02, kCompensatedError = 0.03;
+constexpr double kSafeSpread = 0.1, kCompensationError = 0.02;
 constexpr std::int64_t kCounts[] = {10000, 30000, 100000, 300000, 1000000};
 
 using Levels = std::array<double, kClampLevelCount>;
@@ -167,17 +168,20 @@ std::size_t find_safe_level(const Levels& variances) {
   return level;
 }
 
-// Seconds until every object errs by kCompensatedError: VPL set, cuts, and paths that give back.
-double find_compensated_time(const CountRun& run, const std::vector<Levels>& costs,
-                             const std::vector<std::size_t>& levels) {
-  double seconds = run.set_s;
+// Seconds of a VPL set and cuts, and of the paths that give back what the levels take until that errs by
+// kCompensationError of each object's light.
+struct CompensatedTime {
+  double vpls = 0, paths = 0;
+};
+
+CompensatedTime find_compensated_time(const CountRun& run, const std::vector<Levels>& costs,
+                                      const std::vector<std::size_t>& levels) {
+  CompensatedTime time{run.set_s, 0};
   for (std::size_t object = 0; object < levels.size(); ++object) {
-    const std::size_t level = levels[object];
-    const double left = kCompensatedError * kCompensatedError - run.variances[object][level];
-    if (left <= 0) return std::numeric_limits<double>::infinity();
-    seconds += run.shade_s[object][level] + costs[object][level] / left;
+    time.vpls += run.shade_s[object][levels[object]];
+    time.paths += costs[object][levels[object]] / (kCompensationError * kCompensationError);
   }
-  return seconds;
+  return time;
 }
 
 struct Choice {
@@ -228,18 +232,21 @@ std::string format_levels(const std::vector<std::size_t>& levels) {
   return text;
 }
 
-// What is given back makes every level right; so the least safe one costs least.
+// What is given back makes every level right, so the least safe one is the cheapest.
 void print_compensated(const std::vector<CountRun>& runs, const std::vector<Levels>& costs) {
   fmt::print(
-      "\n| VPLs | one safe level | s | a safe level each | s | ratio |\n|---|---|---:|---|---:|---:|\n");
+      "\n| VPLs | one safe level | VPLs, s | paths, s | a safe level each | VPLs, s | paths, s | ratio of "
+      "paths | "
+      "of all |\n|---|---|---:|---:|---|---:|---:|---:|---:|\n");
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    std::vector<std::size_t> each;
-    for (const Levels& variances : runs[i].variances) each.push_back(find_safe_level(variances));
-    const std::vector<std::size_t> one(each.size(), *std::max_element(each.begin(), each.end()));
-    const double seconds = find_compensated_time(runs[i], costs, one),
-                 seconds_each = find_compensated_time(runs[i], costs, each);
-    fmt::print("| {} | C{} | {:.2f} | {} | {:.2f} | {:.2f} |\n", format_vpl_count(kCounts[i]), one.front(),
-               seconds, format_levels(each), seconds_each, seconds / seconds_each);
+    std::vector<std::size_t> levels;
+    for (const Levels& variances : runs[i].variances) levels.push_back(find_safe_level(variances));
+    const std::size_t highest = *std::max_element(levels.begin(), levels.end());
+    const CompensatedTime one = find_compensated_time(runs[i], costs, std::vector(levels.size(), highest)),
+                          each = find_compensated_time(runs[i], costs, levels);
+    fmt::print("| {} | C{} | {:.2f} | {:.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n",
+               format_vpl_count(kCounts[i]), highest, one.vpls, one.paths, format_levels(levels), each.vpls,
+               each.paths, one.paths / each.paths, (one.vpls + one.paths) / (each.vpls + each.paths));
   }
 }
 
