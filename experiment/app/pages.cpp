@@ -54,7 +54,8 @@ Page::Page(const Gui& gui, Size framebuffer, const std::string& title) {
   ImGui::PushFont(gui.text_font());
   ImGui::SetNextWindowPos(ImVec2(std::floor((static_cast<float>(framebuffer.width) - width) / 2), top));
   ImGui::SetNextWindowSize(ImVec2(width, static_cast<float>(framebuffer.height) - top - kPageMargin));
-  ImGui::Begin("page", nullptr,
+  // A window for each title: the keys begin at the first control of a new page.
+  ImGui::Begin((title + "##page").c_str(), nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
                    ImGuiWindowFlags_NoSavedSettings);

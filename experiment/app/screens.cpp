@@ -211,7 +211,11 @@ bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const 
   page.leave_space();
   for (const AskedQuestion& asked : protocol.questions) draw_radio(texts, protocol, intake, asked);
   const bool is_pressed = page.press(texts.at("questions_continue"));
-  if (is_reminded && !find_unanswered(intake, protocol).empty()) page.warn(texts.at("questions_missing"));
+  bool& was_reminded = *ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("reminded"));
+  const bool reminds = is_reminded && !find_unanswered(intake, protocol).empty();
+  if (reminds) page.warn(texts.at("questions_missing"));
+  if (reminds && !was_reminded) ImGui::SetScrollHereY(1);  // once, where the page is longer than the screen
+  was_reminded = reminds;
   return is_pressed;
 }
 
