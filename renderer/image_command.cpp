@@ -105,6 +105,7 @@ void add_clamp(ExrMetadata& metadata, const PictureParams& params, double clamp_
 // last holds compensation, also that by itself.
 void write_layers(const Picture& picture, const ImageOptions& options, const PictureParams& params) {
   const auto save = [&](const HdrImage& layer, const std::string& name, ExrMetadata metadata) {
+    if (layer.channels == 1) metadata["equilux_unit"] = "1";  // coverage is a share
     save_exr(layer, std::move(metadata), options.layers / (name + ".exr"));
   };
   const ExrMetadata metadata = make_metadata(options);

@@ -63,7 +63,7 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
   metadata["equilux_study"] = layers_.study_name;
   metadata["equilux_seed"] = fmt::format("{}", layers_.seed);
   metadata["equilux_made_from"] = recipe;
-  metadata["equilux_unit"] = "W/(m^2 sr)";
+  metadata["equilux_unit"] = image.channels == 1 ? "1" : "W/(m^2 sr)";  // coverage is a share
   metadata["equilux_version"] = kVersion;
   save_exr(image, metadata, folder_.root / file);
   layers_.by_name[name] = {file,

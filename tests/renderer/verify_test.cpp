@@ -1,11 +1,13 @@
 // A set that was tampered with in one place each: the finding names it.
 #include "renderer/verify.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <memory>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/version.h"
 #include "renderer/set.h"
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
@@ -80,6 +82,28 @@ TEST_F(Verify, FindsNothingInASetAsItWasMade) {
   EXPECT_EQ(whole.pictures, 8u + 88u);
   EXPECT_EQ(whole.layers, 8u * 5 + 88);
   EXPECT_EQ(find(), std::vector<std::string>()) << "and changes nothing";
+}
+
+TEST_F(Verify, LayersSayInTheirFilesWhatTheyAre) {
+  const auto attributes = [&](const std::string& name) {
+    return load_exr(folder_.root / "layers" / (name + ".exr")).metadata;
+  };
+  const ExrMetadata vpls = attributes("G0-MS-ind-100-C4-v1"),
+                    coverage = attributes("G0-MS-ind-ref-v1.coverage");
+  const Study study = study_.load();
+  for (const ExrMetadata& layer : {vpls, coverage}) {
+    EXPECT_EQ(layer.at("equilux_study"), study.name);
+    EXPECT_EQ(layer.at("equilux_seed"), "1");
+    EXPECT_EQ(layer.at("equilux_version"), kVersion);
+    EXPECT_EQ(layer.at("equilux_made_from").size(), 64u);
+  }
+  EXPECT_EQ(vpls.at("equilux_unit"), "W/(m^2 sr)");
+  EXPECT_EQ(coverage.at("equilux_unit"), "1");
+  EXPECT_EQ(vpls.at("equilux_key"), "G0-MS-ind-100-C4-v1");
+  EXPECT_EQ(coverage.at("equilux_key"), "G0-MS-ind-ref-v1.coverage");
+  EXPECT_EQ(vpls.at("equilux_clamp_per_m2"), fmt::format("{}", clamp_per_m2(4)));
+  EXPECT_GT(std::stol(vpls.at("equilux_vpl_count")), 50);
+  EXPECT_FALSE(coverage.contains("equilux_clamp_per_m2"));
 }
 
 TEST_F(Verify, FindsAPictureOrLayerThatIsNotThere) {
