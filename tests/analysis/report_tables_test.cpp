@@ -245,7 +245,8 @@ TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
   AnalyzeParams params = make_params({temporary_ / "a", temporary_ / "b"}, {});
   params.kind = SubjectKind::kPerson;
   std::vector<std::string> repeaters;
-  for (const std::string& warning : load_reports(params)[0].warnings) {
+  const auto reports = load_reports(params);
+  for (const std::string& warning : reports[0].warnings) {
     if (warning.starts_with("Participant ")) repeaters.push_back(warning);
   }
   ASSERT_EQ(repeaters.size(), 1u);
