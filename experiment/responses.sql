@@ -48,7 +48,7 @@ CREATE TABLE trial (
   session          INTEGER NOT NULL REFERENCES session (id),
   trial            INTEGER NOT NULL CHECK (trial >= 0),               -- 0, 1, ...: order of showing
   phase            TEXT NOT NULL                                      -- main alone is counted
-    CHECK (phase = 'main' OR phase = 'catch' OR phase = 'practice'),  -- checked in a third of the time of IN
+    CHECK (phase = 'main' OR phase = 'catch' OR phase = 'practice'),  -- IN would build a table to look it up
   cell             TEXT NOT NULL,                                     -- what is counted: G1-MR-ind-100k-C4
   test_key         TEXT NOT NULL,                                     -- the VPL picture
   pair_key         TEXT NOT NULL,                                     -- the reference beside it

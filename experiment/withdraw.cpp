@@ -89,12 +89,21 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
+// One that cannot be read may: that stops no withdrawal.
+bool may_hold(const fs::path& path, const std::string& code) {
+  try {
+    return has_word(load_text(path), code);
+  } catch (const InputError&) {
+    return true;
+  }
+}
+
 // Of analysis, in its usual place beside the log; of one elsewhere nothing is known.
 std::vector<fs::path> find_reports_with(const fs::path& log, const std::string& code) {
   std::vector<fs::path> found;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(StudyFolder{log.parent_path()}.report_folder(), none)) {
-    if (entry.is_regular_file() && has_word(load_text(entry.path()), code)) found.push_back(entry.path());
+    if (is_file(entry.path()) && may_hold(entry.path(), code)) found.push_back(entry.path());
   }
   std::sort(found.begin(), found.end());
   return found;
