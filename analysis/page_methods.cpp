@@ -257,21 +257,28 @@ struct ReferenceChecks {
   std::string where;
 };
 
+void add_checks(const Json& made, const std::string& where, ReferenceChecks& sum) {
+  const Json* check = made.find("check");
+  if (!check) return;
+  for (const Json& region : check->as_array()) {
+    const double z = region.at("z").as_double();
+    ++sum.regions;
+    sum.squares += z * z;
+    if (std::abs(z) <= std::abs(sum.largest)) continue;
+    sum.largest = z;
+    sum.where = where + region.at("region").as_string();
+  }
+}
+
 ReferenceChecks sum_checks(const Manifest& manifest) {
   ReferenceChecks sum;
   for (const auto& [key, picture] : manifest.pictures) {
     if (picture.reference.is_null()) continue;
-    const Json* check = picture.reference.find("check");
-    if (!check) continue;
+    const Json* room = picture.reference.find("room");
+    if (!room && !picture.reference.find("check")) continue;
     ++sum.references;
-    for (const Json& region : check->as_array()) {
-      const double z = region.at("z").as_double();
-      ++sum.regions;
-      sum.squares += z * z;
-      if (std::abs(z) <= std::abs(sum.largest)) continue;
-      sum.largest = z;
-      sum.where = key + ", " + region.at("region").as_string();
-    }
+    add_checks(picture.reference, key + ", ", sum);
+    if (room) add_checks(*room, key + ", room, ", sum);
   }
   return sum;
 }
@@ -280,11 +287,10 @@ std::string format_checks(const Report& report) {
   const ReferenceChecks checks = sum_checks(*report.manifest);
   if (checks.regions == 0) return "";
   return fmt::format(
-      "<p>In {} of them the object&rsquo;s indirect light is the mean of independent VPL sets with what "
-      "their "
-      "clamp takes given back by paths. Each was compared with path tracing, which knows nothing of VPLs, in "
-      "up "
-      "to ten regions of its object: over {} regions the differences are {:.2f} standard errors (root mean "
+      "<p>In {} of them indirect light, of the object, the room or both, is the mean of independent VPL sets "
+      "with what their clamp takes given back by paths. Each was compared with path tracing, which knows "
+      "nothing of VPLs, in up to ten regions of its object and nine of its room: over {} regions the "
+      "differences are {:.2f} standard errors (root mean "
       "square; 1 where both are right), at most {:.1f} ({}).</p>\n",
       checks.references, checks.regions, std::sqrt(checks.squares / static_cast<double>(checks.regions)),
       std::abs(checks.largest), escape_xml(checks.where));

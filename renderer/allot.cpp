@@ -188,6 +188,10 @@ void fill_between(TracedLayer& layer, const PathMap& seen, const HdrImage& cover
     fill_kind(layer, seen, coverage, kind, radius);
 }
 
+void fill_room_between(TracedLayer& layer, const PathMap& seen, const HdrImage& coverage, int radius) {
+  fill_kind(layer, seen, coverage, PixelKind::kOutside, radius);
+}
+
 std::vector<double> foresee_paths(const std::vector<PixelError>& errors, int positions,
                                   const NoiseTarget& target, double percentile) {
   return spend(errors, kMarginOfMean * target.object_mean, percentile * target.object_p99,

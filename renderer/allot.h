@@ -47,6 +47,9 @@ class DisplayPilot {
 /// are on average, within so many pixels, or further away where there are none.
 void fill_between(TracedLayer& layer, const PathMap& seen, const HdrImage& coverage, int radius);
 
+/// The same of the room's pixels.
+void fill_room_between(TracedLayer& layer, const PathMap& seen, const HdrImage& coverage, int radius);
+
 /// A displayed error for one path a batch and position, beside one that no path lowers.
 struct PixelError {
   double of_paths = 0, given = 0;

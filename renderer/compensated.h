@@ -5,30 +5,10 @@
 
 #include "renderer/allot.h"
 #include "renderer/reference_params.h"
+#include "renderer/set_measures.h"
 #include "renderer/vpl_sets.h"
 
 namespace equilux {
-
-/// Light of a part of the object, at the pixels that the pilot saw: of the reference and of the pilot's
-/// paths, which know nothing of VPLs.
-struct RegionCheck {
-  std::string name;  ///< r1c1 to r3c3 of the object's box in the picture, silhouettes
-  RegionLight light, traced;
-
-  /// Their difference over its standard error.
-  double z() const;
-};
-
-/// How indirect light was made of sets.
-struct SetMeasures {
-  int clamp_level = 0;
-  int sets = 0;
-  double mean_vpls = 0;  ///< of a set
-  double error_ratio = 0;
-  double mean_clusters = 0;       ///< of a point's cut
-  double compensation_paths = 0;  ///< of all pixels
-  std::vector<RegionCheck> regions;
-};
 
 /// Of a family, the object at some of its pixels.
 struct ObjectPilot {

@@ -10,49 +10,58 @@ namespace equilux {
 namespace {
 
 struct CompensationJob {
-  const FamilyScene& scene;
+  const RoomScene& scene;
+  PrimaryKind kind;  // what is seen of it
   const CompensationParams& params;
   BatchJob batches;
   ReturnParams returned;
 };
 
-// Gives the paths traced.
+bool is_wanted(const PrimaryHit& hit, PrimaryKind kind) {
+  return hit.kind == kind && (kind != PrimaryKind::kRoom || hit.is_room_surface());
+}
+
+// Gives the paths traced. shape of `layers`: material x clamp
 double trace_pixel(const CompensationJob& job, std::size_t pixel, std::vector<TracedLayer>& layers) {
+  if (job.batches.map[pixel] == 0) return 0;
   const Primary& primary = job.scene.primary;
+  const std::vector<double>& clamps = job.params.clamps_per_m2;
   double traced = 0;
   std::vector<BatchSums> batches(layers.size());
+  std::vector<ReturnedLight> lights(job.scene.materials.size());
   for (int position = 0; position < primary.positions; ++position) {
     const PrimaryHit& hit = primary.at(pixel, position);
-    if (hit.kind != PrimaryKind::kObject) continue;
+    if (!is_wanted(hit, job.kind)) continue;
     const std::uint64_t place =
         pixel * static_cast<std::uint64_t>(primary.positions) + static_cast<std::uint64_t>(position);
     add_batches(batches, job.batches, pixel, place, [&](PathSampler& sampler, auto& sums) {
-      ReturnedLight light = estimate_returned(job.scene.world, job.scene.materials, hit.point, hit.v,
-                                              job.returned, sampler, job.params.measures);
-      if (light.peak_per_m2 == 0) return;
-      if (job.params.clamped_alone) light.missing = {};
-      for (std::size_t level = 0; level < sums.size(); ++level)
-        add_light(light.at(job.params.clamps_per_m2[level]), sums[level]);
+      estimate_returned_by_material(job.scene.world, job.scene.materials, hit.point, hit.v, job.returned,
+                                    sampler, job.params.measures, lights);
+      for (std::size_t material = 0; material < lights.size(); ++material) {
+        ReturnedLight& light = lights[material];
+        if (light.peak_per_m2 == 0) continue;
+        if (job.params.clamped_alone) light.missing = {};
+        for (std::size_t level = 0; level < clamps.size(); ++level)
+          add_light(light.at(clamps[level]), sums[material * clamps.size() + level]);
+      }
     });
     traced += double{kBatches} * job.batches.map[pixel];
   }
-  for (std::size_t level = 0; level < layers.size(); ++level)
-    store(batches[level], primary.positions, layers[level], pixel);
+  for (std::size_t i = 0; i < layers.size(); ++i) store(batches[i], primary.positions, layers[i], pixel);
   return traced;
 }
 
-}  // namespace
-
-std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const PathMap& map,
-                                            const CompensationParams& params,
-                                            const std::function<void(double)>& progress) {
+std::vector<TracedLayer> trace_returned(const RoomScene& scene, PrimaryKind kind, const PathMap& map,
+                                        const CompensationParams& params,
+                                        const std::function<void(double)>& progress) {
   EQ_CHECK(!params.clamps_per_m2.empty(), params.clamps_per_m2.size());
   const double least = *std::min_element(params.clamps_per_m2.begin(), params.clamps_per_m2.end());
-  const bool with_missing = params.emission == Emission::kLambertian && has_gloss(scene.materials);
+  const bool with_missing = params.emission == Emission::kLambertian &&
+                            std::any_of(scene.materials.begin(), scene.materials.end(), has_gloss);
   const StreamKey key = make_stream_key(params.seed, params.stream_name + ".compensation");
-  const CompensationJob job{scene, params, {key, map, params.measures}, {least, with_missing}};
+  const CompensationJob job{scene, kind, params, {key, map, params.measures}, {least, with_missing}};
   const HdrImage empty(scene.primary.width, scene.primary.height);
-  std::vector<TracedLayer> layers(params.clamps_per_m2.size(), {empty, empty});
+  std::vector<TracedLayer> layers(scene.materials.size() * params.clamps_per_m2.size(), {empty, empty});
   constexpr std::size_t kStrip = 64;
   const std::size_t pixels = empty.pixel_count();
   for_each_parallel((pixels + kStrip - 1) / kStrip, [&](std::size_t strip) {
@@ -65,6 +74,21 @@ std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const Path
   for (const TracedLayer& layer : layers) all.push_back(&layer);
   check_finite(all, params.stream_name + ".compensation");
   return layers;
+}
+
+}  // namespace
+
+std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const PathMap& map,
+                                            const CompensationParams& params,
+                                            const std::function<void(double)>& progress) {
+  return trace_returned({scene.world, {&scene.materials, 1}, scene.primary}, PrimaryKind::kObject, map,
+                        params, progress);
+}
+
+std::vector<TracedLayer> trace_room_compensation(const RoomScene& scene, const PathMap& map,
+                                                 const CompensationParams& params,
+                                                 const std::function<void(double)>& progress) {
+  return trace_returned(scene, PrimaryKind::kRoom, map, params, progress);
 }
 
 }  // namespace equilux

@@ -1,4 +1,4 @@
-// What a clamp takes from the objects' VPL light, given back by paths.
+// What a clamp takes from VPL light, given back by paths.
 #pragma once
 
 #include "renderer/family.h"
@@ -20,5 +20,11 @@ struct CompensationParams {
 std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const PathMap& map,
                                             const CompensationParams& params,
                                             const std::function<void(double)>& progress);
+
+/// The same of the room's light, beside objects of several materials, each as by itself. shape: material x
+/// clamp
+std::vector<TracedLayer> trace_room_compensation(const RoomScene& scene, const PathMap& map,
+                                                 const CompensationParams& params,
+                                                 const std::function<void(double)>& progress);
 
 }  // namespace equilux

@@ -75,8 +75,9 @@ struct BackgroundJob {
   const BatchJob& batches;
 };
 
-// Gives the paths traced, each once for all materials.
+// Gives the paths traced, each once for all materials. A pixel of no paths stays black.
 double trace_background_pixel(const BackgroundJob& job, std::size_t pixel, std::vector<TracedLayer>& layers) {
+  if (job.batches.map[pixel] == 0) return 0;
   const auto positions = static_cast<std::uint64_t>(job.primary.positions);
   std::vector<BatchSums> sums(layers.size());
   std::vector<Vec3> light(layers.size());
@@ -98,6 +99,32 @@ double trace_background_pixel(const BackgroundJob& job, std::size_t pixel, std::
   }
   for (std::size_t i = 0; i < layers.size(); ++i) store(sums[i], job.primary.positions, layers[i], pixel);
   return traced;
+}
+
+// Light that the room sends on straight from the lights.
+void trace_room_direct_pixel(const World& world, const Materials& materials, const Primary& primary,
+                             const BatchJob& job, std::size_t pixel, TracedLayer& layer) {
+  const auto positions = static_cast<std::uint64_t>(primary.positions);
+  const bool is_exact = !has_extended_lights(world);
+  BatchSums sums{};
+  for (std::uint64_t position = 0; position < positions; ++position) {
+    const PrimaryHit& hit = primary.at(pixel, static_cast<int>(position));
+    if (hit.kind == PrimaryKind::kHidden || hit.kind == PrimaryKind::kObject) continue;
+    if (!hit.is_room_surface()) {
+      add_seen_light(world, hit, sums);
+    } else if (is_exact) {
+      PathSampler unused(RandomStream(job.key, 0), false);
+      const Vec3 light = estimate_direct(world, materials, hit.point, hit.v, unused, job.measures);
+      for (LightSum& batch : sums) add_light(light, batch);
+    } else {
+      add_batches(std::span(&sums, 1), job, pixel, pixel * positions + position,
+                  [&](PathSampler& sampler, auto& batch) {
+                    add_light(estimate_direct(world, materials, hit.point, hit.v, sampler, job.measures),
+                              batch.front());
+                  });
+    }
+  }
+  store(sums, primary.positions, layer, pixel);
 }
 
 // A strip is small enough to share work out evenly and large enough to keep the report of progress cheap.
@@ -144,6 +171,24 @@ std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const M
   for (const TracedLayer& layer : layers) all.push_back(&layer);
   check_finite(all, stream_name + ".background");
   return layers;
+}
+
+TracedLayer trace_room_direct(const World& world, const Primary& primary, const BatchJob& job,
+                              const std::string& stream_name, const std::function<void(double)>& progress) {
+  const HdrImage empty(primary.width, primary.height);
+  TracedLayer layer{empty, empty};
+  const Materials materials = make_grey_materials(world);
+  for_each_strip(empty.pixel_count(), [&](std::size_t first, std::size_t last) {
+    double traced = 0;
+    for (std::size_t pixel = first; pixel < last; ++pixel) {
+      if (job.map[pixel] == 0) continue;
+      trace_room_direct_pixel(world, materials, primary, job, pixel, layer);
+      traced += double{kBatches} * job.map[pixel] * primary.positions;
+    }
+    progress(traced);
+  });
+  check_finite({&layer}, stream_name + ".room-direct");
+  return layer;
 }
 
 void check_finite(const std::vector<const TracedLayer*>& layers, const std::string& name) {

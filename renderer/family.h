@@ -39,6 +39,13 @@ struct FamilyScene {
   const Primary& primary;
 };
 
+/// The same beside an object of several materials.
+struct RoomScene {
+  const World& world;
+  std::span<const Materials> materials;
+  const Primary& primary;
+};
+
 /// The layers add up, and their errors are independent. Random numbers are a function of seed, stream name,
 /// layer, position and path. `progress` is told the paths done, from any thread.
 /// errors: InputError naming the stream if any radiance is not finite, with their number.
@@ -53,6 +60,11 @@ std::vector<TracedLayer> trace_backgrounds(const World& world, std::span<const M
                                            const Primary& primary, const BatchJob& job,
                                            const std::string& stream_name,
                                            const std::function<void(double)>& progress);
+
+/// Of that layer what comes by way of no other surface: the same beside every material. errors and `progress`
+/// as trace_layers
+TracedLayer trace_room_direct(const World& world, const Primary& primary, const BatchJob& job,
+                              const std::string& stream_name, const std::function<void(double)>& progress);
 
 /// Where the random numbers of that layer come from.
 StreamKey make_background_key(std::uint64_t seed, const std::string& stream_name);

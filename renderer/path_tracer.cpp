@@ -208,22 +208,34 @@ struct Walk {
   }
 }
 
-// All light that a surface reflects, part by part.
-Parts estimate_parts(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
-                     PathSampler& sampler, const PathMeasures& measures) {
-  const Shading shading(materials, point, v);
-  auto sum = estimate_lights<Parts>(world, shading, point, sampler, measures);
+// All light that a surface reflects, part by part, for several materials of the objects: paths are shared
+// where no object is met. Each sum is what its material has by itself.
+void estimate_parts(const World& world, std::span<const Materials> materials, const SurfacePoint& point,
+                    Vec3 v, PathSampler& sampler, const PathMeasures& measures, std::span<Parts> sums) {
+  if (point.is_object() && materials.size() > 1) {
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+      PathSampler own = sampler;
+      estimate_parts(world, materials.subspan(i, 1), point, v, own, measures, sums.subspan(i, 1));
+    }
+    return;
+  }
+  const Shading shading(materials[0], point, v);
+  const auto lights = estimate_lights<Parts>(world, shading, point, sampler, measures);
+  std::fill(sums.begin(), sums.end(), lights);
   const auto step = sample_step(shading, point, sampler);
-  if (!step) return sum;
+  if (!step) return;
   const float survival = survival_of(1, step->weight, measures);
-  if (!(survival > 0) || sampler.next() >= survival) return sum;
+  if (!(survival > 0) || sampler.next() >= survival) return;
   const Parts weight =
       eval_cosine_brdf<Parts>(shading, shading.frame.to_local(step->direction)) / (step->pdf * survival);
   const auto hit = world.intersect(point.origin(), step->direction);
-  sum += weight * (is_light(hit) ? weigh_emitter(world, shading, point, *step, hit, measures)
-                                 : estimate_reflected(world, materials, *hit, -step->direction, true, sampler,
-                                                      measures));
-  return sum;
+  std::vector<Vec3> light(materials.size());
+  if (is_light(hit)) {
+    std::fill(light.begin(), light.end(), weigh_emitter(world, shading, point, *step, hit, measures));
+  } else {
+    estimate_reflected_by_material(world, materials, *hit, -step->direction, sampler, measures, light);
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += weight * light[i];
 }
 
 }  // namespace
@@ -251,7 +263,9 @@ void estimate_reflected_by_material(const World& world, std::span<const Material
                                     const SurfacePoint& first, Vec3 first_v, PathSampler& sampler,
                                     const PathMeasures& measures, std::span<Vec3> sums) {
   PathState common{first, first_v};
-  walk({world, materials[0], true, materials.size() > 1, measures}, common, sampler);
+  common.is_at_object = first.is_object() && materials.size() > 1;
+  if (!common.is_at_object)
+    walk({world, materials[0], true, materials.size() > 1, measures}, common, sampler);
   for (std::size_t i = 0; i < materials.size(); ++i) {
     PathState path = common;
     PathSampler own = sampler;
@@ -273,22 +287,45 @@ Vec3 ReturnedLight::at(double clamp_per_m2) const {
 ReturnedLight estimate_returned(const World& world, const Materials& materials, const SurfacePoint& point,
                                 Vec3 v, const ReturnParams& params, PathSampler& sampler,
                                 const PathMeasures& measures) {
-  const Shading shading(materials, point, v);
+  ReturnedLight light;
+  estimate_returned_by_material(world, {&materials, 1}, point, v, params, sampler, measures, {&light, 1});
+  return light;
+}
+
+void estimate_returned_by_material(const World& world, std::span<const Materials> materials,
+                                   const SurfacePoint& point, Vec3 v, const ReturnParams& params,
+                                   PathSampler& sampler, const PathMeasures& measures,
+                                   std::span<ReturnedLight> lights) {
+  std::fill(lights.begin(), lights.end(), ReturnedLight{});
+  const Shading shading(materials[0], point, v);
   const auto step = sample_step(shading, point, sampler);
-  if (!step) return {};
+  if (!step) return;
   const float most = max_component(eval_scatter<Vec3>(shading, point, step->direction));
+  // A little further than the clamp acts: what is clamped is said below, however far the ray was sent.
+  constexpr double kMargin = 1 + 1e-5;
   const auto reach = params.with_missing
                          ? std::numeric_limits<float>::infinity()
-                         : static_cast<float>(std::sqrt(double{most} / params.least_clamp_per_m2));
+                         : static_cast<float>(kMargin * std::sqrt(double{most} / params.least_clamp_per_m2));
   const auto hit = world.intersect(point.origin(), step->direction, reach);
-  if (is_light(hit)) return {};
+  if (is_light(hit)) return;
   const Vec3 d = hit->p - point.p;
   const float peak = most / dot(d, d);
-  const bool misses = params.with_missing && materials[hit->material].glossy_share > 0;
-  if (peak <= params.least_clamp_per_m2 && !misses) return {};
-  const Parts parts = estimate_parts(world, materials, *hit, -step->direction, sampler, measures);
-  if (params.with_missing) return {step->weight * parts.diffuse, step->weight * parts.glossy, peak};
-  return {step->weight * (parts.diffuse + parts.glossy), {}, peak};
+  const bool is_clamped = peak > params.least_clamp_per_m2;
+  const auto misses = [&](const Materials& of) {
+    return params.with_missing && of[hit->material].glossy_share > 0;
+  };
+  if (!is_clamped && std::none_of(materials.begin(), materials.end(), misses)) return;
+  std::vector<Parts> parts(materials.size());
+  estimate_parts(world, materials, *hit, -step->direction, sampler, measures, parts);
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (!is_clamped && !misses(materials[i])) continue;
+    const auto& [diffuse, glossy] = parts[i];
+    if (params.with_missing) {
+      lights[i] = {step->weight * diffuse, step->weight * glossy, peak};
+    } else {
+      lights[i] = {step->weight * (diffuse + glossy), {}, peak};
+    }
+  }
 }
 
 }  // namespace equilux

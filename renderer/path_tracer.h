@@ -23,8 +23,8 @@ Vec3 estimate_direct(const World& world, const Materials& materials, const Surfa
 Vec3 estimate_reflected(const World& world, const Materials& materials, const SurfacePoint& point, Vec3 v,
                         bool with_direct, PathSampler& sampler, const PathMeasures& measures = {});
 
-/// All light reflected at a point of the room, for several materials of the objects at once: each sum is that
-/// of estimate_reflected with that material, bit for bit. A path is walked once until it meets an object.
+/// All light reflected at a point for several materials of the objects at once: each sum is that of
+/// estimate_reflected with that material, bit for bit. A path is walked once until it meets an object.
 /// shape: sums as materials
 void estimate_reflected_by_material(const World& world, std::span<const Materials> materials,
                                     const SurfacePoint& point, Vec3 v, PathSampler& sampler,
@@ -53,5 +53,12 @@ bool has_gloss(const Materials& materials);
 ReturnedLight estimate_returned(const World& world, const Materials& materials, const SurfacePoint& point,
                                 Vec3 v, const ReturnParams& params, PathSampler& sampler,
                                 const PathMeasures& measures = {});
+
+/// The same at a point of the room, for several materials of the objects at once, each as by itself, bit for
+/// bit. shape: lights as materials
+void estimate_returned_by_material(const World& world, std::span<const Materials> materials,
+                                   const SurfacePoint& point, Vec3 v, const ReturnParams& params,
+                                   PathSampler& sampler, const PathMeasures& measures,
+                                   std::span<ReturnedLight> lights);
 
 }  // namespace equilux

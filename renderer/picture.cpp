@@ -194,10 +194,10 @@ HdrImage trace_path_layers(const PictureScene& scene, const PictureParams& param
   }
   picture.paths = count_paths(scene.primary, {room.map, maps.direct, maps.indirect});
   if (!compensation.empty()) picture.paths += count_paths(scene.primary, {none, none, compensation});
-  std::vector<TracedLayer> background = trace_planned_backgrounds(
-      scene.world, {&scene.materials, 1}, scene.primary, room, reference, report.advance);
-  HdrImage standard_error = std::move(background[0].standard_error);
-  picture.background = std::move(background[0].mean);
+  std::vector<Background> background =
+      trace_planned_backgrounds({scene.world, {&scene.materials, 1}, scene.primary}, room, reference, report);
+  HdrImage standard_error = std::move(background[0].layer.standard_error);
+  picture.background = std::move(background[0].layer.mean);
   for (std::size_t i = 0; i < scene.world.objects().size(); ++i) {
     const Primary part = isolate_object(scene.primary, static_cast<std::int32_t>(i));
     TracedLayers traced = trace_layers({scene.world, scene.materials, part}, maps, reference.seed,

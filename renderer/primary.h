@@ -17,6 +17,9 @@ struct PrimaryHit {
   PrimaryKind kind = PrimaryKind::kNothing;
   SurfacePoint point;
   Vec3 v;  ///< towards the camera
+
+  /// Of the room, and no light.
+  bool is_room_surface() const { return kind == PrimaryKind::kRoom && point.emitter < 0; }
 };
 
 /// shape: hits is height x width x positions.

@@ -15,6 +15,8 @@ constexpr double kPathsForOneStepOutside = 4700;
 // Work of compensated VPL sets over that of path tracing, of a black object and more for what its gloss
 // reflects, and of their pilots whatever the object's size. Measured in the café.
 constexpr double kCompensatedShare = 0.037, kShareOfGloss = 0.27, kSetPilots = 2e6;
+// The same of the room.
+constexpr double kCompensatedRoom = 0.2;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;
@@ -144,9 +146,19 @@ ReferenceParams make_reference_params(const Study& study, const Scene& scene, co
   return params;
 }
 
-double estimate_background_paths(const ReferenceParams& params, const Primary& primary) {
+namespace {
+
+double guess_background_paths(const ReferenceParams& params, const Primary& primary) {
   const double traced = count_background(primary, guess_maps(params, primary).background);
-  return params.fixed ? traced : traced + count_paths(primary, make_pilot_maps(primary));
+  if (params.fixed || params.method != ReferenceMethod::kCompensated) return traced;
+  return std::min(traced, kCompensatedRoom * traced + kSetPilots);
+}
+
+}  // namespace
+
+double estimate_background_paths(const ReferenceParams& params, const Primary& primary) {
+  const double work = guess_background_paths(params, primary);
+  return params.fixed ? work : work + count_paths(primary, make_pilot_maps(primary));
 }
 
 double estimate_object_paths(const ReferenceParams& params, const Primary& primary, double pixels) {
@@ -158,6 +170,19 @@ double estimate_object_paths(const ReferenceParams& params, const Primary& prima
 }
 
 namespace {
+
+// Else by path tracing alone.
+bool is_by_sets(const World& world, const ReferenceParams& params) {
+  return !params.fixed && params.method == ReferenceMethod::kCompensated && world.objects().size() == 1;
+}
+
+// Layers of which one is black where the other is not.
+void add_elsewhere(const TracedLayer& from, TracedLayer& to) {
+  for (std::size_t i = 0; i < to.mean.values.size(); ++i) {
+    to.mean.values[i] += from.mean.values[i];
+    to.standard_error.values[i] += from.standard_error.values[i];
+  }
+}
 
 // Scales the room's paths to what they are seen to do.
 void look_again(const World& world, const Primary& primary, const TracedLayers& pilot,
@@ -188,30 +213,46 @@ void look_again(const World& world, const Primary& primary, const TracedLayers& 
 
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
                                const FamilyProgress& progress) {
-  if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background, {}, {}};
+  if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background};
   const PathMaps few = make_pilot_maps(primary);
   TracedLayers pilot =
       trace_layers({world, make_grey_materials(world), primary}, few, params.seed,
                    params.background_stream_name + ".pilot", params.measures, progress.advance);
   const HdrImage coverage = make_coverage(primary);
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
-  look_again(world, primary, pilot, coverage, params, progress, map);
+  std::optional<RoomPlan> by_sets;
+  if (is_by_sets(world, params))
+    by_sets = plan_compensated_room(world, primary, {pilot, few, map}, params, progress);
+  if (!by_sets) look_again(world, primary, pilot, coverage, params, progress, map);
   const std::uint32_t most = find_most_paths(primary);
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (coverage.values[i] > 0) map[i] = std::min(map[i] * kSilhouetteMargin, most);
+    if (coverage.values[i] > 0) {
+      map[i] = std::min(map[i] * kSilhouetteMargin, most);
+    } else if (by_sets) {
+      map[i] = 0;
+    }
   }
-  progress.expect_more(count_background(primary, map) -
-                       count_background(primary, guess_maps(params, primary).background));
-  return {std::move(map), few.background, std::move(pilot.background)};
+  progress.expect_more(count_background(primary, map) + (by_sets ? count_room_work(primary, *by_sets) : 0) -
+                       guess_background_paths(params, primary));
+  return {std::move(map), std::move(by_sets), few.background, std::move(pilot.background)};
 }
 
-std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span<const Materials> materials,
-                                                   const Primary& primary, const BackgroundPlan& plan,
-                                                   const ReferenceParams& params,
-                                                   const std::function<void(double)>& progress) {
+std::vector<Background> trace_planned_backgrounds(const RoomScene& scene, const BackgroundPlan& plan,
+                                                  const ReferenceParams& params,
+                                                  const FamilyProgress& progress) {
   const BatchJob job{make_background_key(params.seed, params.background_stream_name), plan.map,
                      params.measures};
-  return trace_backgrounds(world, materials, primary, job, params.background_stream_name, progress);
+  std::vector<Background> backgrounds;
+  for (TracedLayer& layer : trace_backgrounds(scene.world, scene.materials, scene.primary, job,
+                                              params.background_stream_name, progress.advance))
+    backgrounds.push_back({std::move(layer)});
+  if (!plan.by_sets) return backgrounds;
+  std::vector<CompensatedRoom> rooms = trace_compensated_rooms(scene, *plan.by_sets, params, progress);
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    add_elsewhere(rooms[i].layer, backgrounds[i].layer);
+    backgrounds[i].sets = std::move(rooms[i].measures);
+  }
+  return backgrounds;
 }
 
 namespace {
@@ -326,19 +367,29 @@ void exchange_room(FamilyLayers& layers, const TracedLayer& before, const Traced
   }
 }
 
-// The room beside this object alone, by `scale` times the paths, from other random numbers.
-TracedLayer trace_room_again(const FamilyScene& scene, const BackgroundPlan& plan, double scale,
-                             const ReferenceParams& params, int turn, const FamilyProgress& progress) {
+void scale_map(PathMap& map, double scale, std::uint32_t most) {
+  for (std::uint32_t& paths : map) {
+    if (paths > 0) paths = std::max(paths, std::min(scale_paths(paths, scale), most));
+  }
+}
+
+// The room beside this object alone, by `scale` times the paths and sets, from other random numbers.
+Background trace_room_again(const FamilyScene& scene, const BackgroundPlan& plan, double scale,
+                            const ReferenceParams& params, int turn, const FamilyProgress& progress) {
   BackgroundPlan more = plan;
   const std::uint32_t most = find_most_paths(scene.primary);
-  for (std::uint32_t& paths : more.map) {
-    if (paths > 0) paths = std::max(paths, std::min(scale_paths(paths, scale), most));
+  scale_map(more.map, scale, most);
+  if (more.by_sets) {
+    scale_map(more.by_sets->direct, scale, most);
+    scale_map(more.by_sets->compensation, scale, most);
+    more.by_sets->sets = take_more_sets(std::move(more.by_sets->sets), scale, scene.primary.positions);
   }
   ReferenceParams again = params;
   again.background_stream_name = fmt::format("{}.room-turn-{}", params.stream_name, turn);
-  progress.expect_more(count_background(scene.primary, more.map));
-  return std::move(trace_planned_backgrounds(scene.world, {&scene.materials, 1}, scene.primary, more, again,
-                                             progress.advance)[0]);
+  progress.expect_more(count_background(scene.primary, more.map) +
+                       (more.by_sets ? count_room_work(scene.primary, *more.by_sets) : 0));
+  return std::move(trace_planned_backgrounds({scene.world, {&scene.materials, 1}, scene.primary}, more, again,
+                                             progress)[0]);
 }
 
 }  // namespace
@@ -356,8 +407,7 @@ namespace {
 // Whether or not it meets the target.
 FamilyLayers trace_once(const FamilyScene& scene, const BackgroundPlan& plan, TracedLayer background,
                         const ReferenceParams& params, const FamilyProgress& progress) {
-  const bool by_sets = !params.fixed && params.method == ReferenceMethod::kCompensated;
-  if (by_sets && scene.world.objects().size() == 1) {
+  if (is_by_sets(scene.world, params)) {
     progress.expect_more(-estimate_object_paths(params, scene.primary));
     const ObjectPilot pilot = fly_between(scene, plan, params, progress);
     if (std::optional<CompensatedObject> object = trace_compensated(scene, pilot, params, progress)) {
@@ -376,11 +426,12 @@ FamilyLayers trace_once(const FamilyScene& scene, const BackgroundPlan& plan, Tr
 
 }  // namespace
 
-FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const TracedLayer& background,
+FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const Background& background,
                           const ReferenceParams& params, const FamilyProgress& progress) {
-  FamilyLayers layers = trace_once(scene, plan, background, params, progress);
+  FamilyLayers layers = trace_once(scene, plan, background.layer, params, progress);
+  layers.room = background.sets;
   if (params.fixed) return layers;
-  TracedLayer room = background;
+  Background room = background;
   double room_scale = 1;
   ReferenceParams tighter = params;
   for (int turn = 1; turn < kMostTurns; ++turn) {
@@ -388,8 +439,8 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
     if (miss.object <= 1 && miss.room <= 1) break;
     if (miss.room > 1) {
       room_scale *= kRoomTurnMargin * kRoomTurnMargin * miss.room * miss.room;
-      TracedLayer other = trace_room_again(scene, plan, room_scale, params, turn, progress);
-      exchange_room(layers, room, other);
+      Background other = trace_room_again(scene, plan, room_scale, params, turn, progress);
+      exchange_room(layers, room.layer, other.layer);
       room = std::move(other);
     }
     if (miss.object > 1) {
@@ -397,8 +448,9 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
       tighter.target.object_p99 /= kTurnMargin * miss.object;
       tighter.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
       progress.expect_more(estimate_object_paths(tighter, scene.primary));
-      layers = trace_once(scene, plan, room, tighter, progress);
+      layers = trace_once(scene, plan, room.layer, tighter, progress);
     }
+    layers.room = room.sets;
     layers.turns = turn + 1;
   }
   return layers;
@@ -407,8 +459,8 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
 FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& params,
                           const FamilyProgress& progress) {
   const BackgroundPlan plan = plan_background(scene.world, scene.primary, params, progress);
-  std::vector<TracedLayer> background = trace_planned_backgrounds(
-      scene.world, {&scene.materials, 1}, scene.primary, plan, params, progress.advance);
+  const std::vector<Background> background =
+      trace_planned_backgrounds({scene.world, {&scene.materials, 1}, scene.primary}, plan, params, progress);
   FamilyLayers layers = trace_object(scene, plan, background[0], params, progress);
   layers.paths += count_background(scene.primary, plan.map);
   return layers;

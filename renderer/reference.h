@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "renderer/compensated.h"
+#include "renderer/compensated_room.h"
 
 namespace equilux {
 
@@ -13,6 +14,7 @@ struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
   double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
   std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation
+  std::optional<SetMeasures> room = {};  ///< the same of the room
   int turns = 1;                         ///< of them all but the last missed the target, and were thrown away
 };
 
@@ -27,23 +29,29 @@ ReferenceParams make_reference_params(const Study& study, const Scene& scene, co
 double estimate_background_paths(const ReferenceParams& params, const Primary& primary);
 double estimate_object_paths(const ReferenceParams& params, const Primary& primary, double pixels = 1);
 
-/// The room of one geometry, illumination and view. Its paths are the same whatever the object is made of:
-/// its pilot sees a grey one.
+/// The room of one geometry, illumination and view. It is made alike whatever the object is made of: its
+/// pilot sees a grey one.
 struct BackgroundPlan {
-  PathMap map;
-  PathMap pilot_map;
-  TracedLayer pilot;  ///< empty where the counts are fixed
+  PathMap map;                           ///< of path tracing; with `by_sets` of silhouettes alone
+  std::optional<RoomPlan> by_sets = {};  ///< of all else
+  PathMap pilot_map = {};
+  TracedLayer pilot = {};  ///< empty where the counts are fixed
 };
 
 /// errors: as trace_layers
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
                                const FamilyProgress& progress);
 
-/// Layers of the room beside the object in several materials. errors: as trace_layers
-std::vector<TracedLayer> trace_planned_backgrounds(const World& world, std::span<const Materials> materials,
-                                                   const Primary& primary, const BackgroundPlan& plan,
-                                                   const ReferenceParams& params,
-                                                   const std::function<void(double)>& progress);
+/// Beside an object of one material.
+struct Background {
+  TracedLayer layer;
+  std::optional<SetMeasures> sets = {};
+};
+
+/// The room beside the object in several materials. errors: as trace_layers
+std::vector<Background> trace_planned_backgrounds(const RoomScene& scene, const BackgroundPlan& plan,
+                                                  const ReferenceParams& params,
+                                                  const FamilyProgress& progress);
 
 /// The paths of the object's pixels, fixed or by pilots for the target; none of the room. errors: as
 /// trace_layers
@@ -54,7 +62,7 @@ PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, cons
 /// these are thrown away and made again to a tighter one, a few times: so what is kept is unbiased but for
 /// that choice.
 /// errors: as trace_layers
-FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const TracedLayer& background,
+FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const Background& background,
                           const ReferenceParams& params, const FamilyProgress& progress);
 
 /// All of it for one material. errors: as trace_layers

@@ -64,14 +64,8 @@ Materials materials_of(const GroupJob& job, const std::string& material) {
   return make_materials(job.world, find_material(job.scene, material));
 }
 
-// Of a reference's indirect light, for the records.
-Json tell_reference(const FamilyLayers& layers) {
-  Json json;
-  json.set("method", layers.sets ? "compensated" : "path");
-  json.set("paths", layers.sets ? layers.sets->compensation_paths : layers.paths);
-  json.set("turns", layers.turns);
-  if (!layers.sets) return json;
-  const SetMeasures& sets = *layers.sets;
+// For the records.
+void tell_sets(const SetMeasures& sets, Json& json) {
   json.set("clamp", format_clamp(sets.clamp_level)).set("sets", sets.sets).set("vpls", sets.mean_vpls);
   json.set("error_ratio", sets.error_ratio).set("cut_size", sets.mean_clusters);
   Json check{Json::Array{}};
@@ -84,6 +78,24 @@ Json tell_reference(const FamilyLayers& layers) {
     check.push(std::move(row));
   }
   json.set("check", std::move(check));
+}
+
+// Of a reference's indirect light.
+Json tell_reference(const FamilyLayers& layers) {
+  Json json;
+  json.set("method", layers.sets ? "compensated" : "path");
+  json.set("paths", layers.sets ? layers.sets->compensation_paths : layers.paths);
+  json.set("turns", layers.turns);
+  if (layers.sets) tell_sets(*layers.sets, json);
+  return json;
+}
+
+// Of its room, where that is not path traced alone.
+Json tell_room(const FamilyLayers& layers) {
+  Json json;
+  if (!layers.room) return json;
+  json.set("method", "compensated").set("paths", layers.room->compensation_paths).set("turns", layers.turns);
+  tell_sets(*layers.room, json);
   return json;
 }
 
@@ -98,7 +110,9 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
                                                           {"indirect", &layers.indirect},
                                                           {"standard_error", &layers.standard_error}};
   for (const char* content : kFamilyContents) {
-    Json reference = content == std::string("indirect") ? tell_reference(layers) : Json();
+    Json reference;
+    if (content == std::string("indirect")) reference = tell_reference(layers);
+    if (content == std::string("background")) reference = tell_room(layers);
     job.store.save(layer_name(family, content), recipe, *by_content.at(content), {}, {},
                    std::move(reference));
   }
@@ -115,13 +129,13 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
   for (const Family& family : families) materials.push_back(materials_of(job, family.object.material));
   const ReferenceParams params = make_reference_params(job.study, job.scene, families.front());
   BackgroundPlan plan;
-  std::vector<TracedLayer> backgrounds;
+  std::vector<Background> backgrounds;
   {
     const LoggedWork work(job, "backgrounds",
                           fmt::format("backgrounds {} of {}", name_background_stream(families[0]),
                                       count_materials(families.size())));
     plan = plan_background(job.world, primary, params, progress);
-    backgrounds = trace_planned_backgrounds(job.world, materials, primary, plan, params, progress.advance);
+    backgrounds = trace_planned_backgrounds({job.world, materials, primary}, plan, params, progress);
   }
   for (std::size_t i = 0; i < families.size(); ++i) {
     FamilyLayers layers;

@@ -93,9 +93,17 @@ struct WantedPicture {
   std::function<HdrImage()> make_indirect;
 };
 
+// How its object and its room were made.
+Json tell_reference(const LayerStore& store, const Family& family) {
+  Json reference = store.record(layer_name(family, "indirect")).reference;
+  const Json& room = store.record(layer_name(family, "background")).reference;
+  if (!reference.is_null() && !room.is_null()) reference.set("room", room);
+  return reference;
+}
+
 std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const LayerStore& store,
                                          const Family& family, const std::vector<Condition>& conditions) {
-  const Json& reference = store.record(layer_name(family, "indirect")).reference;
+  const Json reference = tell_reference(store, family);
   std::vector<WantedPicture> pictures{{format_key(family),
                                        {"", "", digest_reference(loaded), make_json(loaded.noise), reference},
                                        [&] { return loaded.indirect; }}};
@@ -130,8 +138,10 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   const std::string key = format_key(family);
   summary.noise[key] = loaded.noise;
   warn_of_emptiness(loaded, key, summary);
-  for (const std::string& text : find_failed_checks(store.record(layer_name(family, "indirect"))))
-    summary.warnings.push_back(fmt::format("{}: {}", key, text));
+  for (const char* content : {"indirect", "background"}) {
+    for (const std::string& text : find_failed_checks(store.record(layer_name(family, content))))
+      summary.warnings.push_back(fmt::format("{}.{}: {}", key, content, text));
+  }
   pictures.set_tone(key, loaded.tone.record);
   const auto wanted = list_pictures(loaded, store, family, conditions);
   summary.pictures += wanted.size();

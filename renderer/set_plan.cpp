@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "renderer/lightcut.h"
-#include "renderer/shade.h"
 #include "renderer/vpl_sets.h"
 
 namespace equilux {
@@ -45,7 +44,7 @@ constexpr int kFewestSets = 8;
 constexpr double kMostCompensation = 0.5, kLeastCompensation = 0.0002;
 
 // Below it a silhouette's own light is guessed too small rather than too large.
-constexpr double kLeastCoverage = 0.25;
+constexpr double kLeastShare = 0.25;
 
 // Of levels that cost alike, the hardest clamp: its sets err most evenly.
 constexpr double kAlike = 1.15;
@@ -65,22 +64,22 @@ double sum_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-std::vector<std::size_t> list_object_pixels(const HdrImage& coverage) {
+std::vector<std::size_t> list_pixels(const HdrImage& share) {
   std::vector<std::size_t> pixels;
-  for (std::size_t i = 0; i < coverage.pixel_count(); ++i) {
-    if (coverage.values[i] > 0) pixels.push_back(i);
+  for (std::size_t i = 0; i < share.pixel_count(); ++i) {
+    if (share.values[i] > 0) pixels.push_back(i);
   }
   return pixels;
 }
 
 // Smoothed, not premultiplied, never negative.
 HdrImage find_clamped_light(const SetPilot& pilot, const HdrImage& returned) {
-  const HdrImage& coverage = pilot.view.coverage();
+  const HdrImage& share = pilot.subject.share;
   HdrImage clamped = pilot.indirect.mean;
   for (std::size_t i = 0; i < clamped.values.size(); ++i) clamped.values[i] -= returned.values[i];
   const auto smooth = pilot.view.smooth(clamped);
   for (std::size_t i = 0; i < clamped.pixel_count(); ++i) {
-    const double covered = std::max(kLeastCoverage, double{coverage.values[i]});
+    const double covered = std::max(kLeastShare, double{share.values[i]});
     for (std::size_t c = 0; c < 3; ++c)
       clamped.pixel(i)[c] = static_cast<float>(std::max(0.0, smooth[c][i] / covered));
   }
@@ -88,12 +87,12 @@ HdrImage find_clamped_light(const SetPilot& pilot, const HdrImage& returned) {
 }
 
 // Displayed size of the clamped light itself, that is of an error of 100 %. shape: height x width
-std::vector<double> find_light_sizes(const DisplayPilot& view, const HdrImage& light) {
+std::vector<double> find_light_sizes(const SetPilot& pilot, const HdrImage& light) {
   std::vector<double> sizes(light.pixel_count());
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    const double covered = view.coverage().values[i];
+    const double covered = pilot.subject.share.values[i];
     const float* p = light.pixel(i);
-    if (covered > 0) sizes[i] = view.find_size(i, {covered * p[0], covered * p[1], covered * p[2]});
+    if (covered > 0) sizes[i] = pilot.view.find_size(i, {covered * p[0], covered * p[1], covered * p[2]});
   }
   return sizes;
 }
@@ -104,7 +103,7 @@ struct SetTask {
   const NoiseTarget& target;
   double most_cost;
   int positions;
-  std::vector<std::size_t> pixels;  // of the object
+  std::vector<std::size_t> pixels;  // of the subject
   double points = 0;                // of one position
 
   // One in each batch.
@@ -127,7 +126,7 @@ struct Candidate {
   HdrImage light;
   std::vector<double> sizes;     // of that light
   std::vector<double> errors;    // of compensation
-  double mean_size = 0;          // over the object's pixels
+  double mean_size = 0;          // over the subject's pixels
   double p99_over_mean = 1;      // of the sizes
   double compensation_cost = 0;  // for a mean error of one step
   double vpl_variance = 0;       // relative, of a set of the pilot's size
@@ -139,13 +138,13 @@ Candidate make_candidate(const SetTask& task, std::size_t level_index) {
   candidate.level = static_cast<int>(level_index) + 1;
   const TracedLayer compensation = task.pilot.compensation(level_index);
   candidate.light = find_clamped_light(task.pilot, compensation.mean);
-  candidate.sizes = find_light_sizes(task.pilot.view, candidate.light);
+  candidate.sizes = find_light_sizes(task.pilot, candidate.light);
   candidate.errors = task.pilot.view.find_errors(compensation, task.pilot.map);
-  std::vector<double> of_object;
-  for (const std::size_t i : task.pixels) of_object.push_back(candidate.sizes[i]);
-  candidate.mean_size = sum_of(of_object) / static_cast<double>(task.pixels.size());
+  std::vector<double> of_subject;
+  for (const std::size_t i : task.pixels) of_subject.push_back(candidate.sizes[i]);
+  candidate.mean_size = sum_of(of_subject) / static_cast<double>(task.pixels.size());
   if (candidate.mean_size > 0)
-    candidate.p99_over_mean = nearest_rank(std::move(of_object), 0.99) / candidate.mean_size;
+    candidate.p99_over_mean = nearest_rank(std::move(of_subject), 0.99) / candidate.mean_size;
   candidate.compensation_cost =
       cost_of_compensation(candidate.level) * count_paths_of_one_step(candidate.errors, task);
   return candidate;
@@ -163,18 +162,30 @@ std::vector<Candidate> find_candidates(const SetTask& task) {
   return candidates;
 }
 
-// Some points of the object where it fills its pixel, through the first position.
-std::vector<ShadingPoint> draw_pilot_points(const Primary& primary, const HdrImage& coverage) {
-  const auto all = find_shading_points(take_position(primary, 0));
+// Some points of the subject where it fills its pixel.
+std::vector<ShadingPoint> draw_pilot_points(const SetSubject& subject) {
   std::vector<ShadingPoint> inner;
-  for (const ShadingPoint& point : all) {
-    if (coverage.values[point.pixel] == 1) inner.push_back(point);
+  for (const ShadingPoint& point : subject.points) {
+    if (subject.share.values[point.pixel] == 1) inner.push_back(point);
   }
-  const auto& points = inner.empty() ? all : inner;
+  const auto& points = inner.empty() ? subject.points : inner;
   const std::size_t count = std::min(kPilotPoints, points.size());
   std::vector<ShadingPoint> drawn;
   for (std::size_t i = 0; i < count; ++i) drawn.push_back(points[i * points.size() / count]);
   return drawn;
+}
+
+// Points of one material one after another.
+struct PilotGroup {
+  std::vector<ShadingPoint> points;
+  ShadedPoints totals;
+};
+
+// What is to be added to the light of the rule.
+Vec3 light_beside(const SetPilot& pilot, std::size_t pixel) {
+  if (pilot.beside.values.empty()) return {};
+  const float* p = pilot.beside.pixel(pixel);
+  return {p[0], p[1], p[2]};
 }
 
 // What the small sets show beside the candidates' variances.
@@ -191,14 +202,21 @@ class SetPilotTracer {
       : scene_(scene),
         view_(task.pilot.view),
         candidates_(candidates),
-        points_(draw_pilot_points(scene.primary, view_.coverage())) {
-    totals_.levels = candidates.size();
-    totals_.points = points_.size();
-    for (const Candidate& candidate : candidates) {
-      clamps_.push_back(clamp_per_m2(candidate.level));
-      for (const ShadingPoint& point : points_) {
-        const float* p = candidate.light.pixel(point.pixel);
-        totals_.radiance.push_back({p[0], p[1], p[2]});
+        points_(draw_pilot_points(task.pilot.subject)) {
+    for (const Candidate& candidate : candidates) clamps_.push_back(clamp_per_m2(candidate.level));
+    for (const ShadingPoint& point : points_) {
+      if (groups_.empty() || groups_.back().points.back().surface.material != point.surface.material)
+        groups_.emplace_back();
+      groups_.back().points.push_back(point);
+    }
+    for (PilotGroup& group : groups_) {
+      group.totals.levels = candidates.size();
+      group.totals.points = group.points.size();
+      for (const Candidate& candidate : candidates) {
+        for (const ShadingPoint& point : group.points) {
+          const float* p = candidate.light.pixel(point.pixel);
+          group.totals.radiance.push_back(Vec3{p[0], p[1], p[2]} + light_beside(task.pilot, point.pixel));
+        }
       }
     }
   }
@@ -222,12 +240,25 @@ class SetPilotTracer {
   // Gives the mean size.
   double cut(VplList list, std::uint64_t tree_seed) {
     const LightTree lights = make_light_tree(std::move(list), {tree_seed, 4});
-    CutRecord record;
-    lit_.push_back(shade_lightcut(
-        scene_.world, points_, lights, {scene_.materials[kObjectMaterial]}, clamps_,
-        {kPilotRatio, find_radiance_of_step(view_.tone().record, 0.25), &totals_, false}, &record));
-    return std::accumulate(record.sizes.begin(), record.sizes.end(), 0.0) /
-           static_cast<double>(std::max<std::size_t>(1, record.sizes.size()));
+    ShadedPoints lit{candidates_.size(), points_.size(), {}};
+    lit.radiance.resize(candidates_.size() * points_.size());
+    double sizes = 0;
+    std::size_t first = 0;
+    for (const PilotGroup& group : groups_) {
+      CutRecord record;
+      const ShadedPoints some = shade_lightcut(
+          scene_.world, group.points, lights, {scene_.materials[group.points.front().surface.material]},
+          clamps_, {kPilotRatio, find_radiance_of_step(view_.tone().record, 0.25), &group.totals, false},
+          &record);
+      sizes = std::accumulate(record.sizes.begin(), record.sizes.end(), sizes);
+      for (std::size_t level = 0; level < candidates_.size(); ++level)
+        std::copy_n(some.radiance.begin() + static_cast<std::ptrdiff_t>(some.index(0, level, 0)),
+                    group.points.size(),
+                    lit.radiance.begin() + static_cast<std::ptrdiff_t>(lit.index(0, level, first)));
+      first += group.points.size();
+    }
+    lit_.push_back(std::move(lit));
+    return sizes / static_cast<double>(std::max<std::size_t>(1, points_.size()));
   }
 
   // Displayed variances of one level at its points: of trees over the same VPLs, and of the sets' means.
@@ -275,8 +306,8 @@ class SetPilotTracer {
   const DisplayPilot& view_;
   std::vector<Candidate>& candidates_;
   std::vector<ShadingPoint> points_;
+  std::vector<PilotGroup> groups_;  // of those points
   std::vector<double> clamps_;
-  ShadedPoints totals_;
   std::vector<ShadedPoints> lit_;
 };
 
@@ -394,6 +425,28 @@ std::optional<SetPlan> find_cheapest(std::vector<Candidate> candidates, const Sm
 
 }  // namespace
 
+SetSubject make_object_subject(const Primary& primary) {
+  SetSubject subject{make_coverage(primary), find_shading_points(take_position(primary, 0))};
+  for (const PrimaryHit& hit : primary.hits)
+    subject.points_a_position += hit.kind == PrimaryKind::kObject ? 1 : 0;
+  subject.points_a_position /= primary.positions;
+  return subject;
+}
+
+SetSubject make_room_subject(const Primary& primary, const HdrImage& coverage) {
+  SetSubject subject{HdrImage(primary.width, primary.height, 1)};
+  for (std::size_t pixel = 0; pixel < coverage.pixel_count(); ++pixel) {
+    double points = 0;
+    for (int position = 0; position < primary.positions && coverage.values[pixel] == 0; ++position)
+      points += primary.at(pixel, position).is_room_surface();
+    subject.share.values[pixel] = static_cast<float>(points / primary.positions);
+    subject.points_a_position += points / primary.positions;
+  }
+  for (const auto& of_material : find_room_points(take_position(primary, 0), coverage))
+    subject.points.insert(subject.points.end(), of_material.begin(), of_material.end());
+  return subject;
+}
+
 std::vector<double> list_finite_clamps() {
   std::vector<double> clamps;
   for (int level = 1; level <= kFiniteLevels; ++level) clamps.push_back(clamp_per_m2(level));
@@ -403,16 +456,31 @@ std::vector<double> list_finite_clamps() {
 std::optional<SetPlan> plan_vpl_sets(const FamilyScene& scene, const SetPilot& pilot,
                                      const NoiseTarget& target, double most_cost, std::uint64_t seed,
                                      const std::string& stream_name) {
-  const Primary& primary = scene.primary;
-  SetTask task{pilot, target, most_cost, primary.positions, list_object_pixels(pilot.view.coverage())};
-  for (const PrimaryHit& hit : primary.hits) task.points += hit.kind == PrimaryKind::kObject ? 1 : 0;
-  task.points /= primary.positions;
+  const SetTask task{pilot,
+                     target,
+                     most_cost,
+                     scene.primary.positions,
+                     list_pixels(pilot.subject.share),
+                     pilot.subject.points_a_position};
   const double vpls = std::clamp(kPilotVplsPerPoint * task.points, kFewestPilotVpls, kMostPilotVpls);
   if (task.pixels.empty() || 2 * kPilotSets * kVplCost * vpls > most_cost) return {};
   std::vector<Candidate> candidates = find_candidates(task);
   if (candidates.empty()) return {};
   const SmallSets small = SetPilotTracer(scene, task, candidates).trace(vpls, seed, stream_name);
-  return find_cheapest(std::move(candidates), small, task);
+  std::optional<SetPlan> plan = find_cheapest(std::move(candidates), small, task);
+  if (plan) {
+    for (std::size_t i = 0; i < pilot.beside.values.size(); ++i)
+      plan->light.values[i] += pilot.beside.values[i];
+  }
+  return plan;
+}
+
+SetPlan take_more_sets(SetPlan plan, double scale, int positions) {
+  const int sets = std::max(plan.sets, round_sets(std::ceil(scale * plan.sets), positions));
+  plan.sets_cost *= static_cast<double>(sets) / plan.sets;
+  for (double& error : plan.set_errors) error *= std::sqrt(static_cast<double>(plan.sets) / sets);
+  plan.sets = sets;
+  return plan;
 }
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #include "renderer/shade.h"
 
 #include <algorithm>
+#include <map>
 
 #include "base/error.h"
 #include "renderer/kernels.h"
@@ -17,9 +18,8 @@ std::uint64_t morton(std::uint32_t x, std::uint32_t y) {
   return code;
 }
 
-}  // namespace
-
-std::vector<ShadingPoint> find_shading_points(const Primary& primary, std::int32_t object) {
+// Pixels in the order of a Morton curve.
+std::vector<std::uint32_t> order_pixels(const Primary& primary) {
   const auto width = static_cast<std::uint32_t>(primary.width),
              height = static_cast<std::uint32_t>(primary.height);
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
@@ -27,14 +27,36 @@ std::vector<ShadingPoint> find_shading_points(const Primary& primary, std::int32
     for (std::uint32_t x = 0; x < width; ++x) order.emplace_back(morton(x, y), y * width + x);
   }
   std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> pixels;
+  for (const auto& [code, pixel] : order) pixels.push_back(pixel);
+  return pixels;
+}
+
+}  // namespace
+
+std::vector<ShadingPoint> find_shading_points(const Primary& primary, std::int32_t object) {
   std::vector<ShadingPoint> points;
-  for (const auto& [code, pixel] : order) {
+  for (const std::uint32_t pixel : order_pixels(primary)) {
     for (int position = 0; position < primary.positions; ++position) {
       const PrimaryHit& hit = primary.at(pixel, position);
       if (hit.kind == PrimaryKind::kObject && hit.point.object == object)
         points.push_back({pixel, hit.point, hit.v});
     }
   }
+  return points;
+}
+
+std::vector<std::vector<ShadingPoint>> find_room_points(const Primary& primary, const HdrImage& coverage) {
+  std::map<std::uint32_t, std::vector<ShadingPoint>> by_material;
+  for (const std::uint32_t pixel : order_pixels(primary)) {
+    if (coverage.values[pixel] > 0) continue;
+    for (int position = 0; position < primary.positions; ++position) {
+      const PrimaryHit& hit = primary.at(pixel, position);
+      if (hit.is_room_surface()) by_material[hit.point.material].push_back({pixel, hit.point, hit.v});
+    }
+  }
+  std::vector<std::vector<ShadingPoint>> points;
+  for (auto& [material, some] : by_material) points.push_back(std::move(some));
   return points;
 }
 

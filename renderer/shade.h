@@ -11,7 +11,7 @@
 
 namespace equilux {
 
-/// A point of the object that the camera sees.
+/// A point that the camera sees.
 struct ShadingPoint {
   std::uint32_t pixel = 0;
   SurfacePoint surface;
@@ -20,6 +20,9 @@ struct ShadingPoint {
 
 /// Points of an object in the order of a Morton curve over pixels, so that neighbours are near in space.
 std::vector<ShadingPoint> find_shading_points(const Primary& primary, std::int32_t object = 0);
+
+/// Points of the room in pixels that no object covers any of, in the same order: a list for each material.
+std::vector<std::vector<ShadingPoint>> find_room_points(const Primary& primary, const HdrImage& coverage);
 
 /// Radiance towards v. shape: material x level x point, point fastest.
 struct ShadedPoints {

@@ -107,8 +107,10 @@ class FamilyVerifier {
     add(key + ".indirect", find_misplaced(family.indirect, family.coverage, is_on_object));
     add(key + ".standard_error",
         find_misplaced(family.standard_error, family.coverage, [](float) { return true; }));
-    for (std::string& text : find_failed_checks(set_.store.record(layer_name(family_, "indirect"))))
-      add(key + ".indirect", std::move(text));
+    for (const char* content : {"indirect", "background"}) {
+      for (std::string& text : find_failed_checks(set_.store.record(layer_name(family_, content))))
+        add(fmt::format("{}.{}", key, content), std::move(text));
+    }
   }
 
   void verify_reference(const std::string& key) {

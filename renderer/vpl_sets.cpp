@@ -14,26 +14,6 @@ namespace {
 // Of the pilot: its totals are only thresholds.
 constexpr double kPilotRatio = 0.0075;
 
-// Sums over sets, and of squares. shape: height x width x 3
-struct LayerSums {
-  std::vector<double> sum, squares;
-  explicit LayerSums(std::size_t values) : sum(values), squares(values) {}
-
-  void add(const HdrImage& layer) {
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const double value = layer.values[i];
-      sum[i] += value;
-      squares[i] += value * value;
-    }
-  }
-
-  double mean(std::size_t i, int count) const { return sum[i] / count; }
-  // Of the mean.
-  double variance(std::size_t i, int count) const {
-    return std::max(0.0, squares[i] / count - mean(i, count) * mean(i, count)) / (count - 1);
-  }
-};
-
 // What the camera sees of one object through one subpixel position, and the totals of its rule.
 struct PositionPoints {
   std::vector<ShadingPoint> points;
@@ -50,74 +30,13 @@ ShadedPoints look_up_totals(const HdrImage& image, const std::vector<ShadingPoin
   return totals;
 }
 
-// Region means of one set after another, seen through one position each.
-class RegionSums {
- public:
-  explicit RegionSums(const std::vector<int>& regions) : regions_(regions) {
-    for (const int region : regions) {
-      if (region < 0) continue;
-      pixels_.resize(std::max(pixels_.size(), static_cast<std::size_t>(region) + 1));
-      ++pixels_[static_cast<std::size_t>(region)];
-    }
-  }
-
-  void add(const HdrImage& layer, std::vector<double>& means) const {
-    means.resize(pixels_.size());
-    for (std::size_t i = 0; i < regions_.size(); ++i) {
-      if (regions_[i] < 0) continue;
-      const float* p = layer.pixel(i);
-      const auto region = static_cast<std::size_t>(regions_[i]);
-      means[region] += luminance({p[0], p[1], p[2]}) / static_cast<double>(pixels_[region]);
-    }
-  }
-
-  // shape of sets: position x set x region
-  std::vector<RegionLight> finish(const std::vector<std::vector<std::vector<double>>>& sets) const {
-    std::vector<RegionLight> regions(pixels_.size());
-    const auto positions = static_cast<double>(sets.size());
-    for (std::size_t region = 0; region < regions.size(); ++region) {
-      RegionLight& light = regions[region];
-      light.pixels = pixels_[region];
-      double variance = 0;
-      for (const auto& position : sets) {
-        const auto count = static_cast<double>(position.size());
-        double mean = 0, squares = 0;
-        for (const auto& set : position) mean += set[region] / count;
-        for (const auto& set : position) squares += (set[region] - mean) * (set[region] - mean);
-        light.mean += mean / positions;
-        variance += squares / (count - 1) / count;
-      }
-      light.standard_error = std::sqrt(variance) / positions;
-    }
-    return regions;
-  }
-
- private:
-  const std::vector<int>& regions_;
-  std::vector<std::size_t> pixels_;
-};
-
-// Of an object's positions, each with `count` sets.
-TracedLayer join_positions(const std::vector<LayerSums>& positions, int count, const HdrImage& empty) {
-  TracedLayer layer{empty, empty};
-  const auto share = 1 / static_cast<double>(positions.size());
-  for (std::size_t i = 0; i < empty.values.size(); ++i) {
-    double mean = 0, variance = 0;
-    for (const LayerSums& position : positions) {
-      mean += position.mean(i, count);
-      variance += position.variance(i, count);
-    }
-    layer.mean.values[i] = static_cast<float>(mean * share);
-    layer.standard_error.values[i] = static_cast<float>(std::sqrt(variance) * share);
-  }
-  return layer;
-}
-
 class SetTracer {
  public:
   SetTracer(const FamilyScene& scene, const VplSetsParams& params)
-      : scene_(scene), params_(params), positions_(scene.primary.positions), regions_(params.regions) {
-    region_means_.resize(static_cast<std::size_t>(positions_));
+      : scene_(scene),
+        params_(params),
+        positions_(scene.primary.positions),
+        regions_(params.regions, scene.primary.positions) {
     std::vector<Primary> taken;
     for (int position = 0; position < positions_; ++position)
       taken.push_back(take_position(scene.primary, position));
@@ -154,32 +73,33 @@ class SetTracer {
   void trace_set(int set) {
     const LightTree tree = make_tree("set", static_cast<std::uint64_t>(set) + 1);
     vpls_ += static_cast<double>(tree.vpls.size());
-    std::vector<double> means;
+    std::vector<HdrImage> layers;
     for (std::size_t object = 0; object < count_objects(); ++object) {
       PositionPoints& part = at(object, set % positions_);
       const ShadedPoints shaded =
           cut(object, part.points, tree, {params_.error_ratio, params_.floor, &part.totals, false});
-      HdrImage layer = make_black();
-      add_to_layer(shaded, 0, 0, part.points, 1, layer);
-      part.sums.add(layer);
-      regions_.add(layer, means);
+      layers.push_back(make_black());
+      add_to_layer(shaded, 0, 0, part.points, 1, layers.back());
+      part.sums.add(layers.back());
     }
-    region_means_[static_cast<std::size_t>(set % positions_)].push_back(std::move(means));
+    std::vector<const HdrImage*> all;
+    for (const HdrImage& layer : layers) all.push_back(&layer);
+    regions_.add(set % positions_, all);
   }
 
   VplSets finish() const {
     VplSets sets;
     sets.sets = count_sets();
     for (std::size_t object = 0; object < count_objects(); ++object) {
-      std::vector<LayerSums> sums;
+      PositionSums sums(make_black().values.size());
       for (int position = 0; position < positions_; ++position)
-        sums.push_back(parts_[index_of(object, position)].sums);
-      sets.layers.push_back(join_positions(sums, sets.sets / positions_, make_black()));
+        sums.add(parts_[index_of(object, position)].sums);
+      sets.layers.push_back(sums.finish(scene_.primary.width, scene_.primary.height));
     }
     sets.mean_vpls = vpls_ / sets.sets;
     sets.mean_clusters = cuts_ > 0 ? clusters_ / cuts_ : 0;
     sets.shadow_rays = rays_;
-    sets.regions = regions_.finish(region_means_);
+    sets.regions = regions_.finish();
     return sets;
   }
 
@@ -218,7 +138,6 @@ class SetTracer {
   int positions_;
   std::vector<PositionPoints> parts_;  // shape: object x position
   RegionSums regions_;
-  std::vector<std::vector<std::vector<double>>> region_means_;  // shape: position x set x region
   double vpls_ = 0, clusters_ = 0, cuts_ = 0;
   std::uint64_t rays_ = 0;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/family.h"
+#include "renderer/set_sums.h"
 
 namespace equilux {
 
@@ -19,12 +20,6 @@ struct VplSetsParams {
   std::vector<HdrImage> totals = {};
   /// Region of each pixel, or -1; empty: none.
   std::vector<int> regions = {};
-};
-
-/// A mean over pixels, premultiplied. units: W/(m^2 sr), luminance
-struct RegionLight {
-  double mean = 0, standard_error = 0;
-  std::size_t pixels = 0;
 };
 
 struct VplSets {

@@ -1,9 +1,9 @@
-// The room's pixels by path tracing, and by VPL sets with what their clamp takes given back by paths: what
-// each costs at equal error.
+// The room's pixels beside an object of several materials by path tracing, and by VPL sets with what their
+// clamp takes given back by paths: what each costs at equal error.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
-#include <functional>
 #include <map>
 #include <vector>
 
@@ -22,36 +22,42 @@ using bench::time_s;
 constexpr int kWidth = 140, kHeight = 105, kSets = 6;
 constexpr int kPaths = 1024;  // of path tracing; a pixel of the paper's study takes about as many
 constexpr int kCompensationPaths = 128;
-constexpr std::int64_t kCounts[] = {30000, 300000, 3000000};
-constexpr std::size_t kLevels[] = {2, 3, 4, 5, 6, 7, 8, 10};
-constexpr double kErrorRatio = 0.03;  // of cuts: coarse, since the mean of sets forgives it
+const std::vector<std::int64_t> kCounts{30000, 100000, 300000, 1000000};
+const std::vector<double> kRatios{0.01, 0.02, 0.04, 0.08};
+constexpr std::size_t kLevels[] = {4, 5, 6, 7};
+const std::vector<std::string> kMaterials{"MS", "MR", "BS", "BR", "GS"};
+
+// By material and point.
+using Values = std::vector<std::vector<double>>;
 
 struct Room {
   Scene scene = load_scene(EQUILUX_SOURCE_DIR "/stimuli/scenes/cafe.json");
   World world = make_world(scene, "G0", Illumination::kIndirect);
-  Materials materials = make_materials(world, find_material(scene, "MS"));
+  std::vector<Materials> materials;
   Primary primary = trace_primary(world, make_view_camera(scene, 0), kWidth, kHeight, 1);
-  std::vector<std::vector<ShadingPoint>> points;  // by material
-  double mean = 0;                                // luminance, path traced
+  std::vector<ShadingPoint> points;  // those of a material of the room one after another
+  std::vector<std::pair<std::size_t, std::size_t>> groups;
+  std::vector<double> light;  // of the first material, path traced
+  double mean = 0;
 
   Room() {
+    for (const std::string& name : kMaterials)
+      materials.push_back(make_materials(world, find_material(scene, name)));
     std::map<std::uint32_t, std::vector<ShadingPoint>> by_material;
     for (std::size_t pixel = 0; pixel < primary.hits.size(); ++pixel) {
       const PrimaryHit& hit = primary.hits[pixel];
       if (hit.kind == PrimaryKind::kRoom && hit.point.emitter < 0)
         by_material[hit.point.material].push_back({static_cast<std::uint32_t>(pixel), hit.point, hit.v});
     }
-    for (auto& [material, some] : by_material) points.push_back(std::move(some));
+    for (auto& [material, some] : by_material) {
+      groups.emplace_back(points.size(), points.size() + some.size());
+      points.insert(points.end(), some.begin(), some.end());
+    }
   }
 };
 
-// By group and point.
-using Values = std::vector<std::vector<double>>;
-
 Values make_values(const Room& room) {
-  Values values;
-  for (const auto& group : room.points) values.emplace_back(group.size(), 0.0);
-  return values;
+  return Values(room.materials.size(), std::vector<double>(room.points.size()));
 }
 
 struct Sampled {
@@ -60,41 +66,44 @@ struct Sampled {
 };
 
 // Of kBatches randomisations at each point.
-Sampled sample(const Room& room, int paths,
-               const std::function<double(const ShadingPoint&, PathSampler&)>& estimate) {
+Sampled sample(const Room& room, int paths, const auto& estimate) {
   const StreamKey key = make_stream_key(1, "bench.backgrounds");
   Sampled sampled{make_values(room), make_values(room), 0};
+  const std::size_t count = room.materials.size();
   sampled.seconds = time_s([&] {
-    for (std::size_t group = 0; group < room.points.size(); ++group) {
-      for_each_parallel(room.points[group].size(), [&](std::size_t i) {
-        const ShadingPoint& point = room.points[group][i];
-        double sum = 0, squares = 0;
-        for (std::uint64_t batch = 0; batch < kBatches; ++batch) {
-          PathSampler sampler(RandomStream(key, std::uint64_t{point.pixel} * kBatches + batch));
-          double mean = 0;
-          for (int path = 0; path < paths / kBatches; ++path) {
-            sampler.next_path();
-            mean += estimate(point, sampler) / (paths / kBatches);
-          }
-          sum += mean;
-          squares += mean * mean;
+    for_each_parallel(room.points.size(), [&](std::size_t i) {
+      const ShadingPoint& point = room.points[i];
+      std::vector<double> sum(count), squares(count), mean(count), light(count);
+      for (std::uint64_t batch = 0; batch < kBatches; ++batch) {
+        PathSampler sampler(RandomStream(key, std::uint64_t{point.pixel} * kBatches + batch));
+        std::fill(mean.begin(), mean.end(), 0.0);
+        for (int path = 0; path < paths / kBatches; ++path) {
+          sampler.next_path();
+          estimate(point, sampler, light);
+          for (std::size_t m = 0; m < count; ++m) mean[m] += light[m] / (paths / kBatches);
         }
-        sampled.mean[group][i] = sum / kBatches;
-        sampled.variance[group][i] =
-            std::max(0.0, squares - sum * sum / kBatches) / (kBatches - 1) / kBatches;
-      });
-    }
+        for (std::size_t m = 0; m < count; ++m) {
+          sum[m] += mean[m];
+          squares[m] += mean[m] * mean[m];
+        }
+      }
+      for (std::size_t m = 0; m < count; ++m) {
+        sampled.mean[m][i] = sum[m] / kBatches;
+        sampled.variance[m][i] =
+            std::max(0.0, squares[m] - sum[m] * sum[m] / kBatches) / (kBatches - 1) / kBatches;
+      }
+    });
   });
   return sampled;
 }
 
 // Mean over the points of the variance over the square of their light, as a displayed step sees it; a dark
-// point counts as one of a tenth of the mean.
+// point counts as one of a tenth of the mean. Of all materials.
 double find_relative_variance(const Values& variance, const Values& light, double mean) {
   double sum = 0, count = 0;
-  for (std::size_t group = 0; group < light.size(); ++group) {
-    for (std::size_t i = 0; i < light[group].size(); ++i) {
-      sum += variance[group][i] / std::pow(std::max(light[group][i], 0.1 * mean), 2);
+  for (std::size_t m = 0; m < light.size(); ++m) {
+    for (std::size_t i = 0; i < light[m].size(); ++i) {
+      sum += variance[m][i] / std::pow(std::max(light[m][i], 0.1 * mean), 2);
       ++count;
     }
   }
@@ -103,75 +112,86 @@ double find_relative_variance(const Values& variance, const Values& light, doubl
 
 double find_mean(const Values& light) {
   double sum = 0, count = 0;
-  for (const auto& group : light) {
-    for (const double value : group) sum += value;
-    count += static_cast<double>(group.size());
+  for (const auto& of_material : light) {
+    for (const double value : of_material) sum += value;
+    count += static_cast<double>(of_material.size());
   }
   return sum / count;
 }
 
-// Of one VPL count: seconds of a set and of its cuts, and the variance between sets, by level.
-struct SetRun {
-  double set_s = 0;
-  std::map<std::size_t, double> cut_s;
-  std::map<std::size_t, Values> variance;
+// Seconds of a set.
+struct SetTimes {
+  double trace = 0, tree = 0, shared = 0, own = 0, shared_size = 0, own_size = 0;
+  double sum() const { return trace + tree + shared + own; }
 };
 
-SetRun run_sets(const Room& room, std::int64_t count) {
+struct SetRun {
+  SetTimes times;
+  Values variance;
+};
+
+SetRun run_sets(const Room& room, std::int64_t count, std::size_t level, double ratio) {
   SetRun run;
-  std::map<std::size_t, Values> sums, squares;
-  for (const std::size_t level : kLevels)
-    sums[level] = squares[level] = run.variance[level] = make_values(room);
+  Values sums = make_values(room), squares = sums;
+  run.variance = sums;
+  const double clamp = all_levels()[level];
   for (std::uint64_t seed = 1; seed <= kSets; ++seed) {
-    LightTree tree;
-    run.set_s += time_s([&] {
-                   VplSet set = trace_vpls(room.world, room.materials,
-                                           find_path_count(room.world, count, seed), seed, "backgrounds");
-                   VplList list = std::move(set.shared);
-                   list.append(set.own);
-                   tree = make_light_tree(std::move(list), {seed, 4});
-                 }) /
-                 kSets;
-    for (const std::size_t level : kLevels) {
-      for (std::size_t group = 0; group < room.points.size(); ++group) {
-        const auto& points = room.points[group];
+    const std::int64_t paths = find_path_count(room.world, count, seed);
+    VplSet first;
+    LightTree shared;
+    std::vector<LightTree> own(room.materials.size());
+    for (std::size_t m = 0; m < room.materials.size(); ++m) {
+      VplList list;
+      run.times.trace += time_s([&] {
+        if (m == 0) {
+          first = trace_vpls(room.world, room.materials[m], paths, seed, "backgrounds");
+          list = std::move(first.own);
+        } else {
+          list = trace_own_vpls(room.world, room.materials[m], first, seed, "backgrounds");
+        }
+      });
+      run.times.tree += time_s([&] {
+        if (m == 0) shared = make_light_tree(std::move(first.shared), {seed, 4});
+        own[m] = make_light_tree(std::move(list), {seed, 4});
+      });
+    }
+    for (const auto& [begin, end] : room.groups) {
+      const std::vector<ShadingPoint> points(room.points.begin() + static_cast<long>(begin),
+                                             room.points.begin() + static_cast<long>(end));
+      ShadedPoints totals{1, points.size(), {}};
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto light = static_cast<float>(room.light[i]);
+        totals.radiance.push_back({light, light, light});
+      }
+      const auto cut = [&](const LightTree& tree, double& seconds, double& size) {
         ShadedPoints shaded;
-        run.cut_s[level] += time_s([&] {
-                              shaded = shade_lightcut(room.world, points, tree,
-                                                      {room.materials[points.front().surface.material]},
-                                                      {all_levels()[level]}, {kErrorRatio, 0.02 * room.mean});
-                            }) /
-                            kSets;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-          const double value = luminance(shaded.radiance[shaded.index(0, 0, i)]);
-          sums[level][group][i] += value;
-          squares[level][group][i] += value * value;
+        CutRecord record;
+        seconds += time_s([&] {
+          shaded =
+              shade_lightcut(room.world, points, tree, {room.materials[0][points.front().surface.material]},
+                             {clamp}, {ratio, 0.02 * room.mean, &totals, false}, &record);
+        });
+        for (const auto one : record.sizes) size += one / static_cast<double>(room.points.size()) / kSets;
+        return shaded;
+      };
+      const ShadedPoints common = cut(shared, run.times.shared, run.times.shared_size);
+      for (std::size_t m = 0; m < room.materials.size(); ++m) {
+        const ShadedPoints more = cut(own[m], run.times.own, run.times.own_size);
+        for (std::size_t i = begin; i < end; ++i) {
+          const double value = luminance(common.radiance[i - begin]) + luminance(more.radiance[i - begin]);
+          sums[m][i] += value;
+          squares[m][i] += value * value;
         }
       }
     }
   }
-  for (const std::size_t level : kLevels) {
-    for (std::size_t group = 0; group < room.points.size(); ++group) {
-      for (std::size_t i = 0; i < room.points[group].size(); ++i) {
-        const double sum = sums[level][group][i];
-        run.variance[level][group][i] =
-            std::max(0.0, squares[level][group][i] - sum * sum / kSets) / (kSets - 1);
-      }
+  for (double* time : {&run.times.trace, &run.times.tree, &run.times.shared, &run.times.own}) *time /= kSets;
+  for (std::size_t m = 0; m < sums.size(); ++m) {
+    for (std::size_t i = 0; i < sums[m].size(); ++i) {
+      run.variance[m][i] = std::max(0.0, squares[m][i] - sums[m][i] * sums[m][i] / kSets) / (kSets - 1);
     }
   }
   return run;
-}
-
-// Without `gloss` the clamp's part alone: what Lambertian VPLs lack of what gloss sends on is left out.
-Sampled sample_compensation(const Room& room, std::size_t level, bool gloss) {
-  const double clamp = all_levels()[level];
-  return sample(room, kCompensationPaths, [&](const ShadingPoint& point, PathSampler& sampler) {
-    ReturnedLight light =
-        estimate_returned(room.world, room.materials, point.surface, point.v, {clamp, gloss}, sampler);
-    if (light.peak_per_m2 == 0) return 0.0;
-    if (!gloss) light.missing = {};
-    return static_cast<double>(luminance(light.at(clamp)));
-  });
 }
 
 // Seconds times variance of two estimates that add up, time shared out at best.
@@ -183,35 +203,50 @@ double add_costs(double a, double b) { return std::pow(std::sqrt(a) + std::sqrt(
 int main() {
   using namespace equilux;
   Room room;
-  const Sampled traced = sample(room, kPaths, [&](const ShadingPoint& point, PathSampler& sampler) {
-    return static_cast<double>(
-        luminance(estimate_reflected(room.world, room.materials, point.surface, point.v, false, sampler)));
+  const std::size_t count = room.materials.size();
+  std::vector<Vec3> sums(count);
+  Sampled traced = sample(room, kPaths, [&](const ShadingPoint& point, PathSampler& sampler, auto& light) {
+    std::vector<Vec3> found(count);
+    estimate_reflected_by_material(room.world, room.materials, point.surface, point.v, sampler, {}, found);
+    for (std::size_t m = 0; m < count; ++m) light[m] = luminance(found[m]);
   });
+  room.light = traced.mean[0];
   room.mean = find_mean(traced.mean);
   const auto cost = [&](const Values& variance, double seconds) {
     return seconds * find_relative_variance(variance, traced.mean, room.mean);
   };
   const double traced_cost = cost(traced.variance, traced.seconds);
-  fmt::print("path tracing: {:.1f} s to 1 % in {} x {} pixels\n\n", traced_cost * 1e4, kWidth, kHeight);
-  std::map<std::size_t, double> clamp_alone, with_gloss;
+  fmt::print("path tracing: {:.1f} s to 1 % in {} x {} pixels, {} materials; {:.2f} s {} paths\n\n",
+             traced_cost * 1e4, kWidth, kHeight, count, traced.seconds, kPaths);
+  std::map<std::size_t, double> returned;
   for (const std::size_t level : kLevels) {
-    const Sampled clamped = sample_compensation(room, level, false),
-                  all = sample_compensation(room, level, true);
-    clamp_alone[level] = cost(clamped.variance, clamped.seconds);
-    with_gloss[level] = cost(all.variance, all.seconds);
+    const double clamp = all_levels()[level];
+    const Sampled all =
+        sample(room, kCompensationPaths, [&](const ShadingPoint& point, PathSampler& sampler, auto& light) {
+          std::vector<ReturnedLight> found(count);
+          estimate_returned_by_material(room.world, room.materials, point.surface, point.v, {clamp, true},
+                                        sampler, {}, found);
+          for (std::size_t m = 0; m < count; ++m)
+            light[m] = found[m].peak_per_m2 == 0 ? 0 : luminance(found[m].at(clamp));
+        });
+    returned[level] = cost(all.variance, all.seconds);
+    fmt::print("C{}: compensation {:.2f} s to 1 %; {:.2f} s {} paths\n", level, returned[level] * 1e4,
+               all.seconds, kCompensationPaths);
   }
-  fmt::print(
-      "| VPLs | level | sets, s to 1 % | what the clamp takes, s | and what gloss sends on, s | both, times "
-      "path "
-      "tracing | without the latter |\n|---|---|---:|---:|---:|---:|---:|\n");
-  for (const std::int64_t count : kCounts) {
-    const SetRun run = run_sets(room, count);
-    for (const std::size_t level : kLevels) {
-      const double sets = cost(run.variance.at(level), run.set_s + run.cut_s.at(level));
-      fmt::print("| {} | C{} | {:.1f} | {:.1f} | {:.1f} | {:.2f} | {:.2f} |\n", format_vpl_count(count),
-                 level, sets * 1e4, clamp_alone[level] * 1e4, with_gloss[level] * 1e4,
-                 add_costs(sets, with_gloss[level]) / traced_cost,
-                 add_costs(sets, clamp_alone[level]) / traced_cost);
+  for (const std::int64_t vpls : kCounts) {
+    for (const double ratio : kRatios) {
+      for (const std::size_t level : kLevels) {
+        const SetRun run = run_sets(room, vpls, level, ratio);
+        const double sets = cost(run.variance, run.times.sum());
+        fmt::print(
+            "{} ratio {} C{}: sets {:.1f} s to 1 % (trace {:.3f} trees {:.3f} shared {:.3f} ({:.0f}) own "
+            "{:.3f} ({:.0f}); sd {:.2f} %); all {:.3f} times path tracing\n",
+            format_vpl_count(vpls), ratio, level, sets * 1e4, run.times.trace, run.times.tree,
+            run.times.shared, run.times.shared_size, run.times.own, run.times.own_size,
+            100 * std::sqrt(find_relative_variance(run.variance, traced.mean, room.mean)),
+            add_costs(sets, returned[level]) / traced_cost);
+        std::fflush(stdout);
+      }
     }
   }
 }

@@ -73,8 +73,8 @@ void print_row(const Scene& scene, const std::string& key, const Options& option
   params.seed = options.seed;
   params.target = {options.object_mean, 3 * options.object_mean, 4};
   const BackgroundPlan plan = plan_background(world, primary, params, progress);
-  const std::vector<TracedLayer> room =
-      trace_planned_backgrounds(world, {&materials, 1}, primary, plan, params, progress.advance);
+  const std::vector<Background> room =
+      trace_planned_backgrounds({world, {&materials, 1}, primary}, plan, params, progress);
   const auto trace = [&](ReferenceMethod method) {
     params.method = method;
     const double mean = method == ReferenceMethod::kPath ? options.of_paths : options.object_mean;

@@ -187,8 +187,8 @@ TEST(Reference, WhoseRoomMissesItsTargetGetsAnotherRoom) {
   ReferenceParams poor = params;
   poor.target.outside_mean = 20;
   const BackgroundPlan plan = plan_background(stage.world, stage.primary, poor, test::no_progress());
-  const auto rooms =
-      trace_planned_backgrounds(stage.world, {&stage.materials, 1}, stage.primary, plan, poor, [](double) {});
+  const auto rooms = trace_planned_backgrounds({stage.world, {&stage.materials, 1}, stage.primary}, plan,
+                                               poor, test::no_progress());
   const FamilyScene scene{stage.world, stage.materials, stage.primary};
   const FamilyLayers layers = trace_object(scene, plan, rooms[0], params, test::no_progress());
   EXPECT_GT(layers.turns, 1);
@@ -196,9 +196,9 @@ TEST(Reference, WhoseRoomMissesItsTargetGetsAnotherRoom) {
   EXPECT_LE(noise.outside_mean, 5);
   EXPECT_GT(noise.outside_mean, 4) << "no more than is asked";
   EXPECT_LE(noise.object_mean, 8);
-  const double difference = mean_of(layers.background) - mean_of(rooms[0].mean);
+  const double difference = mean_of(layers.background) - mean_of(rooms[0].layer.mean);
   EXPECT_NE(difference, 0);
-  EXPECT_LT(std::abs(difference), 4 * error_of_mean(rooms[0].standard_error));
+  EXPECT_LT(std::abs(difference), 4 * error_of_mean(rooms[0].layer.standard_error));
 }
 
 // The same noise on the object takes fewer paths than an even number for all pixels: the measure's whole

@@ -1,0 +1,29 @@
+// Light of regions of a picture, by VPL sets and by paths that know nothing of VPLs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderer/set_sums.h"
+
+namespace equilux {
+
+/// Light of one region, at the pixels that the paths saw: of the reference and of those paths.
+struct RegionCheck {
+  std::string name;  ///< r1c1 to r3c3 of a box in the picture, silhouettes
+  RegionLight light, traced;
+
+  /// Their difference over its standard error.
+  double z() const;
+};
+
+/// Of each pixel that was seen its region: a cell of a grid over the box of the pixels with a share, or the
+/// silhouettes, which have a part of it; else -1. shape of both: height x width
+std::vector<int> find_regions(const HdrImage& share, const PathMap& seen);
+
+/// `sets`: by region, of whole sets; `beside`: what adds to them; `traced`: both by paths. Pixels of the last
+/// two err independently.
+std::vector<RegionCheck> check_regions(std::vector<RegionLight> sets, const TracedLayer& beside,
+                                       const TracedLayer& traced, const std::vector<int>& regions);
+
+}  // namespace equilux

@@ -1,0 +1,264 @@
+// The room by VPL sets and compensation: unbiased beside every material, as sure as it says, checked.
+#include "renderer/room_sets.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "renderer/compensation.h"
+#include "renderer/parallel.h"
+#include "renderer/reference.h"
+#include "renderer/vpl_sets.h"
+#include "tests/renderer/test_scene.h"
+#include "tests/support/statistics.h"
+
+namespace equilux {
+namespace {
+
+double luminance_at(const HdrImage& image, std::size_t i) {
+  const float* p = image.pixel(i);
+  return luminance({p[0], p[1], p[2]});
+}
+
+struct Stage {
+  Scene scene;
+  World world;
+  std::vector<Materials> materials;
+  Primary primary;
+  HdrImage coverage;
+
+  Stage(Scene made, const std::string& geometry, const std::vector<std::string>& names, int width, int height)
+      : scene(std::move(made)),
+        world(make_world(scene, geometry, Illumination::kIndirect)),
+        primary(trace_primary(world, make_view_camera(scene, 0), width, height, 2)),
+        coverage(make_coverage(primary)) {
+    for (const std::string& name : names)
+      materials.push_back(make_materials(world, find_material(scene, name)));
+  }
+
+  RoomScene room() const { return {world, materials, primary}; }
+  RoomScene room_beside(std::size_t material) const {
+    return {world, std::span(materials).subspan(material, 1), primary};
+  }
+  PathMap map(std::uint32_t paths) const {
+    PathMap map(coverage.pixel_count());
+    for (std::size_t i = 0; i < map.size(); ++i) map[i] = coverage.values[i] > 0 ? 0 : paths;
+    return map;
+  }
+};
+
+Scene load_cafe() {
+  return load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
+}
+
+// A lamp that has an area and a spot light a floor, a wall of metal and a ball before them.
+Scene make_lamp_room() {
+  test::SceneText text;
+  text.materials = R"([{"name":"grey","model":"lambertian","rho_d":[0.5,0.5,0.5]},
+    {"name":"floor","model":"lambertian","rho_d":[0.7,0.5,0.3]},
+    {"name":"shiny","model":"ward-duer","rho_d":[0.1,0.1,0.1],"rho_s":[0.3,0.3,0.3],"alpha":0.2},
+    {"name":"metal","model":"ward-duer","rho_d":[0.1,0.1,0.1],"rho_s":[0.3,0.3,0.3],"alpha":0.3}])";
+  text.meshes = R"([{"name":"ball","sphere":{"radius":0.5,"subdivisions":5}},
+    {"name":"wall","quad":{"u":[4,0,0],"v":[0,0,4]}},{"name":"floor","quad":{"u":[4,0,0],"v":[0,4,0]}}])";
+  text.instances = R"([{"mesh":"wall","material":"metal","at":[-2,2,-0.5]},
+    {"mesh":"floor","material":"floor","at":[-2,-2,-0.5]}])";
+  text.lights = R"([{"spot":{"position":[1.5,0,0.4],"target":[0.5,2,0],"inner_degrees":20,"outer_degrees":35,
+      "intensity":[5,5,5]}},
+    {"rectangle":{"corner":[-1.5,-0.5,2],"u":[0,1,0],"v":[1,0,0],"radiance":[3,3,3]}}])";
+  text.stand = "[0,0,-0.5]";
+  text.camera = R"({"position":[2,-3,1],"target":[0,0,0],"up":[0,0,1],"vertical_fov_degrees":45})";
+  return test::make_scene(text);
+}
+
+// The room near the object, where its gloss and the clamp act most, and elsewhere.
+std::array<double, 2> sum_parts(const Stage& stage, const HdrImage& layer) {
+  constexpr int kNear = 4;
+  std::array<double, 2> sums{};
+  const int width = stage.coverage.width, height = stage.coverage.height;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      bool near = false;
+      for (int v = std::max(0, y - kNear); v <= std::min(height - 1, y + kNear); ++v) {
+        for (int u = std::max(0, x - kNear); u <= std::min(width - 1, x + kNear); ++u)
+          near |= stage.coverage.values[static_cast<std::size_t>(v * width + u)] > 0;
+      }
+      sums[near ? 0 : 1] += luminance_at(layer, static_cast<std::size_t>(y * width + x));
+    }
+  }
+  return sums;
+}
+
+struct Case {
+  const char* name;
+  Scene (*make)();
+  std::vector<std::string> materials;
+  int level;
+};
+
+class RoomSetsOf : public testing::TestWithParam<Case> {};
+
+constexpr int kRuns = 40;
+
+// By material and part, over the runs.
+using Sums = std::vector<std::array<std::vector<double>, 2>>;
+
+void add_sums(const Stage& stage, std::size_t material, const HdrImage& layer, Sums& sums) {
+  const auto parts = sum_parts(stage, layer);
+  for (std::size_t part = 0; part < 2; ++part) sums[material][part].push_back(parts[part]);
+}
+
+// Forty runs of four sets each against as many of paths. Level 1 % over a case's materials and parts; that
+// the clamped sets alone are too dark is seen beyond doubt.
+TEST_P(RoomSetsOf, WithWhatTheClampTakesHaveThePathTracersLight) {
+  const Case& how = GetParam();
+  const Stage stage(how.make(), "G0", how.materials, 40, 30);
+  const std::size_t materials = how.materials.size();
+  const double clamp = clamp_per_m2(how.level);
+  HdrImage totals(stage.primary.width, stage.primary.height);
+  std::fill(totals.values.begin(), totals.values.end(), 0.1f);
+  const std::vector<int> regions;
+  Sums whole(materials), clamped(materials), traced(materials);
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const RoomSetsParams params{
+        4, find_path_count(stage.world, 6000, 1), clamp, 0.05, 1e-4, seed, "room-sets-test", totals, regions};
+    const auto sets = trace_room_sets(stage.room(), params, [] {});
+    const PathMap map = stage.map(2);
+    const StreamKey key = make_stream_key(seed, "room-sets-test");
+    const TracedLayer direct =
+        trace_room_direct(stage.world, stage.primary, {key, map, {}}, "room-sets-test", [](double) {});
+    const auto returned = trace_room_compensation(
+        stage.room(), map, {{clamp}, Emission::kLambertian, seed, "room-sets-test", {}}, [](double) {});
+    const PathMap more = stage.map(8);
+    const auto by_paths = trace_backgrounds(stage.world, stage.materials, stage.primary,
+                                            {make_background_key(1000 + seed, "room-sets-test"), more, {}},
+                                            "room-sets-test", [](double) {});
+    for (std::size_t i = 0; i < materials; ++i) {
+      HdrImage sum = sets[i].layer.mean;
+      for (std::size_t j = 0; j < sum.values.size(); ++j) sum.values[j] += direct.mean.values[j];
+      add_sums(stage, i, sum, clamped);
+      for (std::size_t j = 0; j < sum.values.size(); ++j) sum.values[j] += returned[i].mean.values[j];
+      add_sums(stage, i, sum, whole);
+      add_sums(stage, i, by_paths[i].mean, traced);
+    }
+  }
+  for (std::size_t i = 0; i < materials; ++i) {
+    for (std::size_t part = 0; part < 2; ++part) {
+      const std::string what = fmt::format("{} part {}", how.materials[i], part);
+      const test::Mean sets = test::mean_of(whole[i][part]), paths = test::mean_of(traced[i][part]),
+                       dark = test::mean_of(clamped[i][part]);
+      EXPECT_GT(test::test_equal_means(sets, paths, kRuns), .01 / (2.0 * static_cast<double>(materials)))
+          << what << ": " << sets.mean << " and " << paths.mean;
+      EXPECT_LT(std::hypot(sets.standard_error, paths.standard_error), .006 * paths.mean) << what;
+      if (part == 0) {
+        EXPECT_LT(test::test_equal_means(dark, paths, kRuns), 1e-6) << what;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RoomSetsOf,
+                         testing::Values(Case{"Cafe", load_cafe, {"MS", "GS", "LG"}, 7},
+                                         Case{"LampRoom", make_lamp_room, {"grey", "shiny"}, 8}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+// A family of the paper's, small.
+ReferenceParams make_params(double outside_mean, std::uint64_t seed = 1) {
+  ReferenceParams params;
+  params.method = ReferenceMethod::kCompensated;
+  params.target = {6, 18, outside_mean};
+  params.seed = seed;
+  params.stream_name = params.background_stream_name = "room-sets-test";
+  return params;
+}
+
+DisplayNoise find_noise(const Stage& stage, const FamilyLayers& layers) {
+  const HdrImage reference = composite({&layers.background, &layers.direct, &layers.indirect});
+  return measure_display_noise(reference, layers.standard_error, stage.coverage,
+                               make_tone_curve(reference, stage.coverage, ToneMapping{}));
+}
+
+constexpr double kTarget = 1.5;
+
+class CompensatedRooms : public testing::Test {
+ protected:
+  Stage stage_{load_cafe(), "G0", {"MS", "GS", "LG"}, 80, 60};
+  ReferenceParams params_ = make_params(kTarget);
+  BackgroundPlan plan_ = plan_background(stage_.world, stage_.primary, params_, test::no_progress());
+};
+
+TEST_F(CompensatedRooms, AreTheSameBesideAMaterialWhateverElseIsAskedForAndOnAnyNumberOfThreads) {
+  ASSERT_TRUE(plan_.by_sets);
+  const auto together = trace_planned_backgrounds(stage_.room(), plan_, params_, test::no_progress());
+  const ThreadLimit limit(1);
+  for (const std::size_t i : {0u, 2u}) {
+    const auto alone = trace_planned_backgrounds(stage_.room_beside(i), plan_, params_, test::no_progress());
+    EXPECT_EQ(together[i].layer.mean.values, alone[0].layer.mean.values) << i;
+    EXPECT_EQ(together[i].layer.standard_error.values, alone[0].layer.standard_error.values) << i;
+    ASSERT_EQ(together[i].sets->regions.size(), alone[0].sets->regions.size()) << i;
+    EXPECT_EQ(together[i].sets->regions.front().z(), alone[0].sets->regions.front().z()) << i;
+  }
+}
+
+TEST_F(CompensatedRooms, MeetTheirNoiseTargetAndCarryACheckThatFindsLostLight) {
+  const auto rooms = trace_planned_backgrounds(stage_.room(), plan_, params_, test::no_progress());
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    const FamilyLayers layers = trace_object({stage_.world, stage_.materials[i], stage_.primary}, plan_,
+                                             rooms[i], params_, test::no_progress());
+    const DisplayNoise noise = find_noise(stage_, layers);
+    EXPECT_LE(noise.outside_mean, kTarget) << i;
+    EXPECT_GT(noise.outside_mean, .4 * kTarget) << i;
+    ASSERT_TRUE(layers.room) << i;
+    EXPECT_GE(layers.room->sets, 8) << i;
+    EXPECT_GE(layers.room->regions.size(), 6u) << i;
+    double lost = 0;
+    for (RegionCheck region : layers.room->regions) {
+      EXPECT_LT(std::abs(region.z()), 7) << region.name;
+      region.light.mean *= 0.9;
+      lost = std::max(lost, std::abs(region.z()));
+    }
+    EXPECT_GT(lost, 7) << i;
+  }
+}
+
+// Of which an eighth of the VPLs was foreseen: it is made again, by more sets, until it meets the target.
+TEST_F(CompensatedRooms, ThatMissTheirTargetAreMadeAgain) {
+  ASSERT_TRUE(plan_.by_sets);
+  plan_.by_sets->sets.vpls /= 8;
+  const auto room = trace_planned_backgrounds(stage_.room_beside(1), plan_, params_, test::no_progress());
+  const FamilyLayers layers = trace_object({stage_.world, stage_.materials[1], stage_.primary}, plan_,
+                                           room[0], params_, test::no_progress());
+  EXPECT_GT(layers.turns, 1);
+  ASSERT_TRUE(layers.room);
+  EXPECT_GT(layers.room->sets, room[0].sets->sets);
+  EXPECT_LE(find_noise(stage_, layers).outside_mean, kTarget);
+}
+
+// What the standard error layer says is what two rooms differ by: over six of each.
+TEST(CompensatedRoom, KnowsItsError) {
+  const Stage stage(load_cafe(), "G0", {"GS"}, 48, 36);
+  double squares = 0, errors = 0;
+  std::vector<Background> runs;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const ReferenceParams params = make_params(1, seed);
+    const BackgroundPlan plan = plan_background(stage.world, stage.primary, params, test::no_progress());
+    ASSERT_TRUE(plan.by_sets);
+    runs.push_back(std::move(trace_planned_backgrounds(stage.room(), plan, params, test::no_progress())[0]));
+  }
+  for (std::size_t run = 0; run < runs.size(); run += 2) {
+    const TracedLayer &a = runs[run].layer, &b = runs[run + 1].layer;
+    for (std::size_t i = 0; i < stage.coverage.pixel_count(); ++i) {
+      if (stage.coverage.values[i] > 0) continue;
+      squares += std::pow(a.mean.pixel(i)[1] - b.mean.pixel(i)[1], 2);
+      errors += std::pow(a.standard_error.pixel(i)[1], 2) + std::pow(b.standard_error.pixel(i)[1], 2);
+    }
+  }
+  EXPECT_NEAR(squares / errors, 1, 0.25);
+}
+
+TEST(CompensatedRoom, OfATargetThatFewPathsMeetIsPathTraced) {
+  const Stage stage(load_cafe(), "G0", {"GS"}, 40, 30);
+  EXPECT_FALSE(plan_background(stage.world, stage.primary, make_params(60), test::no_progress()).by_sets);
+}
+
+}  // namespace
+}  // namespace equilux
