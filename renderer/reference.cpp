@@ -15,8 +15,8 @@ constexpr double kPathsForOneStepOutside = 4700;
 // Work of compensated VPL sets over that of path tracing, of a black object and more for what its gloss
 // reflects, and of their pilots whatever the object's size. Measured in the café.
 constexpr double kCompensatedShare = 0.037, kShareOfGloss = 0.27, kSetPilots = 2e6;
-// The same of the room.
-constexpr double kCompensatedRoom = 0.2;
+// The same of the room, whose sets cost something at every pixel whatever the target.
+constexpr double kCompensatedRoom = 0.12, kRoomSets = 300;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;
@@ -151,7 +151,9 @@ namespace {
 double guess_background_paths(const ReferenceParams& params, const Primary& primary) {
   const double traced = count_background(primary, guess_maps(params, primary).background);
   if (params.fixed || params.method != ReferenceMethod::kCompensated) return traced;
-  return std::min(traced, kCompensatedRoom * traced + kSetPilots);
+  const PathMap one(primary.hits.size() / static_cast<std::size_t>(primary.positions), 1);
+  const double pixels = count_background(primary, one) / (kBatches * primary.positions);
+  return std::min(traced, kCompensatedRoom * traced + kRoomSets * pixels);
 }
 
 }  // namespace
@@ -209,16 +211,38 @@ void look_again(const World& world, const Primary& primary, const TracedLayers& 
   }
 }
 
+// Every pixel of a small room; of a large one that sets may make, whose rule needs less, every second line
+// and column.
+constexpr double kLargeRoom = 24000;
+
+// With a grey object.
+TracedLayers fly_background(const World& world, const Primary& primary, const PathMaps& maps,
+                            const HdrImage& coverage, const ReferenceParams& params,
+                            const FamilyProgress& progress) {
+  const auto room = std::count(coverage.values.begin(), coverage.values.end(), 0.f);
+  const bool is_sparse = is_by_sets(world, params) && static_cast<double>(room) >= kLargeRoom;
+  PathMaps some = maps;
+  const auto width = static_cast<std::size_t>(coverage.width);
+  for (std::size_t i = 0; i < some.background.size() && is_sparse; ++i) {
+    if (coverage.values[i] == 0 && (i % width % 2 != 0 || i / width % 2 != 0)) some.background[i] = 0;
+  }
+  progress.expect_more(count_background(primary, some.background) -
+                       count_background(primary, maps.background));
+  TracedLayers pilot =
+      trace_layers({world, make_grey_materials(world), primary}, some, params.seed,
+                   params.background_stream_name + ".pilot", params.measures, progress.advance);
+  if (is_sparse) fill_room_between(pilot.background, some.background, coverage, 2);
+  return pilot;
+}
+
 }  // namespace
 
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
                                const FamilyProgress& progress) {
   if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background};
   const PathMaps few = make_pilot_maps(primary);
-  TracedLayers pilot =
-      trace_layers({world, make_grey_materials(world), primary}, few, params.seed,
-                   params.background_stream_name + ".pilot", params.measures, progress.advance);
   const HdrImage coverage = make_coverage(primary);
+  TracedLayers pilot = fly_background(world, primary, few, coverage, params, progress);
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
   std::optional<RoomPlan> by_sets;
   if (is_by_sets(world, params))

@@ -2,7 +2,7 @@
 // clamp takes given back by paths: what each costs at equal error.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <cstdio>
 #include <fmt/format.h>
 #include <map>
 #include <vector>
@@ -23,8 +23,8 @@ constexpr int kWidth = 140, kHeight = 105, kSets = 6;
 constexpr int kPaths = 1024;  // of path tracing; a pixel of the paper's study takes about as many
 constexpr int kCompensationPaths = 128;
 const std::vector<std::int64_t> kCounts{30000, 100000, 300000, 1000000};
-const std::vector<double> kRatios{0.01, 0.02, 0.04, 0.08};
-constexpr std::size_t kLevels[] = {4, 5, 6, 7};
+const std::vector<double> kRatios{0.01, 0.04};
+constexpr std::size_t kLevels[] = {5, 6, 7};
 const std::vector<std::string> kMaterials{"MS", "MR", "BS", "BR", "GS"};
 
 // By material and point.
@@ -204,7 +204,6 @@ int main() {
   using namespace equilux;
   Room room;
   const std::size_t count = room.materials.size();
-  std::vector<Vec3> sums(count);
   Sampled traced = sample(room, kPaths, [&](const ShadingPoint& point, PathSampler& sampler, auto& light) {
     std::vector<Vec3> found(count);
     estimate_reflected_by_material(room.world, room.materials, point.surface, point.v, sampler, {}, found);
@@ -230,21 +229,21 @@ int main() {
             light[m] = found[m].peak_per_m2 == 0 ? 0 : luminance(found[m].at(clamp));
         });
     returned[level] = cost(all.variance, all.seconds);
-    fmt::print("C{}: compensation {:.2f} s to 1 %; {:.2f} s {} paths\n", level, returned[level] * 1e4,
-               all.seconds, kCompensationPaths);
   }
+  fmt::print(
+      "| VPLs | ratio | level | clusters, shared and own | error of a set, % | sets, s to 1 % | "
+      "compensation, "
+      "s | all, times path tracing |\n|---|---:|---|---:|---:|---:|---:|---:|\n");
   for (const std::int64_t vpls : kCounts) {
     for (const double ratio : kRatios) {
       for (const std::size_t level : kLevels) {
         const SetRun run = run_sets(room, vpls, level, ratio);
         const double sets = cost(run.variance, run.times.sum());
-        fmt::print(
-            "{} ratio {} C{}: sets {:.1f} s to 1 % (trace {:.3f} trees {:.3f} shared {:.3f} ({:.0f}) own "
-            "{:.3f} ({:.0f}); sd {:.2f} %); all {:.3f} times path tracing\n",
-            format_vpl_count(vpls), ratio, level, sets * 1e4, run.times.trace, run.times.tree,
-            run.times.shared, run.times.shared_size, run.times.own, run.times.own_size,
-            100 * std::sqrt(find_relative_variance(run.variance, traced.mean, room.mean)),
-            add_costs(sets, returned[level]) / traced_cost);
+        fmt::print("| {} | {} % | C{} | {:.0f} + {:.0f} | {:.1f} | {:.1f} | {:.1f} | {:.2f} |\n",
+                   format_vpl_count(vpls), 100 * ratio, level, run.times.shared_size,
+                   run.times.own_size / static_cast<double>(count),
+                   100 * std::sqrt(find_relative_variance(run.variance, traced.mean, room.mean)), sets * 1e4,
+                   returned[level] * 1e4, add_costs(sets, returned[level]) / traced_cost);
         std::fflush(stdout);
       }
     }
