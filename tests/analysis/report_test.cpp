@@ -227,7 +227,7 @@ TEST(Report, says_whether_the_references_met_their_noise_target) {
   EXPECT_TRUE(has(page, "<span class=\"met\">MET</span></td><td class=\"number\">2.50"));
 }
 
-// z of 3 and -4: root mean square 3.54.
+// z of 3 and -4 of the object, and of 5 of its room: root mean square 4.08.
 TEST(Report, says_how_references_by_vpl_sets_agree_with_path_tracing) {
   Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
   report.manifest = Manifest{};
@@ -237,13 +237,17 @@ TEST(Report, says_how_references_by_vpl_sets_agree_with_path_tracing) {
   EXPECT_FALSE(has(format_page({report}), "independent VPL sets"));
   check.push(row.set("region", "r1c2").set("z", 3.0));
   check.push(row.set("region", "silhouettes").set("z", -4.0));
-  reference.set("method", "compensated").set("check", std::move(check));
+  Json room, room_check{Json::Array{}};
+  room_check.push(row.set("region", "r3c3").set("z", 5.0));
+  room.set("method", "compensated").set("check", std::move(room_check));
+  reference.set("method", "compensated").set("check", std::move(check)).set("room", std::move(room));
   report.manifest->pictures["G0-MS-ind-ref-v0"].reference = std::move(reference);
   const std::string page = format_page({report});
-  EXPECT_TRUE(
-      has(page, "In 1 of them the object&rsquo;s indirect light is the mean of independent VPL sets"));
-  EXPECT_TRUE(has(page, "over 2 regions the differences are 3.54 standard errors"));
-  EXPECT_TRUE(has(page, "at most 4.0 (G0-MS-ind-ref-v0, silhouettes)"));
+  EXPECT_TRUE(has(
+      page,
+      "In 1 of them indirect light, of the object, the room or both, is the mean of independent VPL sets"));
+  EXPECT_TRUE(has(page, "over 3 regions the differences are 4.08 standard errors"));
+  EXPECT_TRUE(has(page, "at most 5.0 (G0-MS-ind-ref-v0, room, r3c3)"));
 }
 
 TEST(Report, lists_columns_whose_flags_go_back_and_forth) {
