@@ -12,6 +12,10 @@
 namespace equilux {
 namespace {
 
+// Sets are taken where they are foreseen to cost less than this share of the paths: what each material's own
+// VPLs, the pilots and the check take comes on top.
+constexpr double kWorthWhile = 0.5;
+
 // What the room is foreseen to err by over what is asked.
 constexpr double kMargin = 0.95;
 
@@ -110,7 +114,7 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
                                               const RoomPilot& pilot, const ReferenceParams& params,
                                               const FamilyProgress& progress) {
   const HdrImage coverage = make_coverage(primary);
-  const double cost_of_paths = count_room_paths(primary, mask(pilot.planned, coverage));
+  const double most_cost = kWorthWhile * count_room_paths(primary, mask(pilot.planned, coverage));
   const PathMap few = mask(pilot.maps.background, coverage);
   const TracedLayer direct = trace_direct(world, primary, few, params, ".pilot", progress);
   int reach = 1;
@@ -136,8 +140,8 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
   target.object_mean = kMargin * params.target.outside_mean;
   target.object_p99 = std::numeric_limits<double>::infinity();
   const Materials grey = make_grey_materials(world);
-  std::optional<SetPlan> plan = plan_vpl_sets({world, grey, primary}, sets, target, cost_of_paths,
-                                              params.seed, params.background_stream_name);
+  std::optional<SetPlan> plan = plan_vpl_sets({world, grey, primary}, sets, target, most_cost, params.seed,
+                                              params.background_stream_name);
   if (!plan) return {};
   PathMaps maps = allot_paths(
       {plan->compensation_errors, direct_errors, std::vector<double>(seen.size()), plan->set_errors},
