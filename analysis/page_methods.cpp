@@ -291,7 +291,8 @@ std::string format_checks(const Report& report) {
       "with what their clamp takes given back by paths. Each was compared with path tracing, which knows "
       "nothing of VPLs, in up to ten regions of its object and nine of its room: over {} regions the "
       "differences are {:.2f} standard errors (root mean "
-      "square; 1 where both are right), at most {:.1f} ({}).</p>\n",
+      "square; 1 where both are right; rooms of one view share most of their light, and so differ alike), at "
+      "most {:.1f} ({}).</p>\n",
       checks.references, checks.regions, std::sqrt(checks.squares / static_cast<double>(checks.regions)),
       std::abs(checks.largest), escape_xml(checks.where));
 }

@@ -24,6 +24,15 @@ struct TracedLayer {
 /// shape: height x width
 using PathMap = std::vector<std::uint32_t>;
 
+/// Of it only every so many-th line and column.
+inline PathMap thin_out(PathMap map, int width, std::size_t stride) {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const auto wide = static_cast<std::size_t>(width);
+    if (i % wide % stride != 0 || i / wide % stride != 0) map[i] = 0;
+  }
+  return map;
+}
+
 using LightSum = std::array<double, 3>;
 
 inline void add_light(Vec3 light, LightSum& sum) {

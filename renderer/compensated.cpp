@@ -13,14 +13,6 @@ namespace {
 
 PathMap make_even_map(const PathMap& like, std::uint32_t paths) { return PathMap(like.size(), paths); }
 
-TracedLayer add_independent(TracedLayer sum, const TracedLayer& more) {
-  for (std::size_t i = 0; i < sum.mean.values.size(); ++i) {
-    sum.mean.values[i] += more.mean.values[i];
-    sum.standard_error.values[i] = std::hypot(sum.standard_error.values[i], more.standard_error.values[i]);
-  }
-  return sum;
-}
-
 double count_object_paths(const Primary& primary, const PathMap& map) {
   const PathMap none = make_even_map(map, 0);
   return count_paths(primary, {none, none, map});
@@ -157,7 +149,8 @@ class CompensatedTracer {
                        count_object_paths(scene_.primary, maps.indirect),
                        check_regions(std::move(sets.regions), returned, pilot_.layers.indirect, regions)};
     object.direct = std::move(direct.direct);
-    object.indirect = add_independent(std::move(sets.layers[0]), returned);
+    object.indirect = std::move(sets.layers[0]);
+    add_independent(object.indirect, returned);
     object.paths = paths;
     return object;
   }

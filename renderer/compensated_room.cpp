@@ -33,26 +33,29 @@ constexpr float kGrey = 0.19f, kGloss = 0.22f, kRoughness = 0.05f;
 
 bool is_room(const HdrImage& coverage, std::size_t pixel) { return coverage.values[pixel] == 0; }
 
-// The room at every so many-th line and column, about `pixels` of them.
-PathMap make_sparse_map(const HdrImage& coverage, double pixels, std::uint32_t paths, int* reach = nullptr) {
-  const auto all = std::count(coverage.values.begin(), coverage.values.end(), 0.f);
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::sqrt(static_cast<double>(all) / pixels)));
-  const auto width = static_cast<std::size_t>(coverage.width);
-  PathMap map(coverage.pixel_count());
+PathMap mask(PathMap map, const HdrImage& coverage) {
   for (std::size_t i = 0; i < map.size(); ++i) {
-    if (is_room(coverage, i) && i % width % stride == 0 && i / width % stride == 0) map[i] = paths;
+    if (!is_room(coverage, i)) map[i] = 0;
   }
-  if (reach) *reach = static_cast<int>(stride);
   return map;
 }
 
-double count_room_paths(const Primary& primary, const PathMap& map) {
-  const PathMap none(map.size(), 0);
-  return count_paths(primary, {map, none, none});
+// That leaves about so many pixels of the room.
+std::size_t find_stride(const HdrImage& coverage, double pixels) {
+  const auto all = std::count(coverage.values.begin(), coverage.values.end(), 0.f);
+  return static_cast<std::size_t>(std::max(1.0, std::sqrt(static_cast<double>(all) / pixels)));
 }
 
-TracedLayer subtract_mean(TracedLayer layer, const TracedLayer& part) {
-  for (std::size_t i = 0; i < layer.mean.values.size(); ++i) layer.mean.values[i] -= part.mean.values[i];
+PathMap make_sparse_map(const HdrImage& coverage, std::size_t stride, std::uint32_t paths) {
+  return thin_out(mask(PathMap(coverage.pixel_count(), paths), coverage), coverage.width, stride);
+}
+
+// The pilot's background without light that comes straight from the lights: taken away where the pilot saw
+// both, so that no edge of a lamp or of a shadow remains.
+TracedLayer take_indirect(const RoomPilot& pilot, const TracedLayer& direct, const HdrImage& coverage) {
+  TracedLayer layer = pilot.layers.background;
+  for (std::size_t i = 0; i < layer.mean.values.size(); ++i) layer.mean.values[i] -= direct.mean.values[i];
+  fill_room_between(layer, pilot.seen, coverage, pilot.reach);
   return layer;
 }
 
@@ -86,21 +89,6 @@ std::vector<TracedLayer> compensate(const RoomScene& scene, const PathMap& map, 
   return trace_room_compensation(scene, map, compensation, progress.advance);
 }
 
-PathMap mask(PathMap map, const HdrImage& coverage) {
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    if (!is_room(coverage, i)) map[i] = 0;
-  }
-  return map;
-}
-
-// Both layers err independently.
-void add_layer(TracedLayer& sum, const TracedLayer& more) {
-  for (std::size_t i = 0; i < sum.mean.values.size(); ++i) {
-    sum.mean.values[i] += more.mean.values[i];
-    sum.standard_error.values[i] = std::hypot(sum.standard_error.values[i], more.standard_error.values[i]);
-  }
-}
-
 // In which a whole picture's regions are told apart.
 HdrImage make_whole_room(const HdrImage& coverage) {
   HdrImage share(coverage.width, coverage.height, 1);
@@ -116,14 +104,14 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
   const HdrImage coverage = make_coverage(primary);
   const double most_cost = kWorthWhile * count_room_paths(primary, mask(pilot.planned, coverage));
   const PathMap few = mask(pilot.maps.background, coverage);
-  const TracedLayer direct = trace_direct(world, primary, few, params, ".pilot", progress);
-  int reach = 1;
-  const PathMap seen = make_sparse_map(coverage, kPilotPixels, kPilotShare, &reach);
-  const Materials glossy = make_pilot_materials(world);
+  const std::size_t stride = find_stride(coverage, kPilotPixels);
+  const PathMap seen = make_sparse_map(coverage, stride, kPilotShare);
   progress.expect_more(count_room_paths(primary, few) + count_room_paths(primary, seen));
+  const TracedLayer direct = trace_direct(world, primary, few, params, ".pilot", progress);
+  const Materials glossy = make_pilot_materials(world);
   auto returned =
       compensate({world, {&glossy, 1}, primary}, seen, list_finite_clamps(), params, ".pilot", progress);
-  for (TracedLayer& layer : returned) fill_room_between(layer, seen, coverage, reach);
+  for (TracedLayer& layer : returned) fill_room_between(layer, seen, coverage, static_cast<int>(stride));
   const DisplayPilot view(
       {&pilot.layers.background.mean, &pilot.layers.direct.mean, &pilot.layers.indirect.mean}, coverage,
       params.tone);
@@ -131,7 +119,7 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
   const SetPilot sets{view,
                       make_room_subject(primary, coverage),
                       direct_errors,
-                      subtract_mean(pilot.layers.background, direct),
+                      take_indirect(pilot, direct, coverage),
                       [&](std::size_t level) { return returned[level]; },
                       PathMap(seen.size(), kPilotShare),
                       1,
@@ -166,7 +154,7 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
       compensate(scene, plan.compensation, {clamp_per_m2(plan.sets.clamp_level)}, params, "", progress);
   const auto check_share = static_cast<std::uint32_t>(round_paths(kCheckPaths, primary.positions) /
                                                       (kBatches * primary.positions));
-  const PathMap checked = make_sparse_map(coverage, kCheckedPixels, check_share);
+  const PathMap checked = make_sparse_map(coverage, find_stride(coverage, kCheckedPixels), check_share);
   progress.expect_more(count_room_paths(primary, checked));
   const auto traced =
       trace_backgrounds(world, materials, primary,
@@ -190,12 +178,12 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
   std::vector<CompensatedRoom> rooms;
   for (std::size_t i = 0; i < materials.size(); ++i) {
     TracedLayer beside = direct;
-    add_layer(beside, returned[i]);
+    add_independent(beside, returned[i]);
     CompensatedRoom room{std::move(sets[i].layer),
                          {plan.sets.clamp_level, sets[i].sets, sets[i].mean_vpls, plan.sets.error_ratio,
                           sets[i].mean_clusters, count_room_paths(primary, plan.compensation),
                           check_regions(std::move(sets[i].regions), beside, traced[i], regions)}};
-    add_layer(room.layer, beside);
+    add_independent(room.layer, beside);
     rooms.push_back(std::move(room));
   }
   return rooms;

@@ -20,6 +20,8 @@ struct RoomPlan {
 struct RoomPilot {
   const TracedLayers& layers;
   const PathMaps& maps;
+  const PathMap& seen;     ///< of the background; 0 at pixels that were filled from near ones
+  int reach = 0;           ///< within which. units: pixels
   const PathMap& planned;  ///< paths that the room takes by path tracing
 };
 

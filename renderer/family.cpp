@@ -183,7 +183,8 @@ TracedLayer trace_room_direct(const World& world, const Primary& primary, const 
     for (std::size_t pixel = first; pixel < last; ++pixel) {
       if (job.map[pixel] == 0) continue;
       trace_room_direct_pixel(world, materials, primary, job, pixel, layer);
-      traced += double{kBatches} * job.map[pixel] * primary.positions;
+      for (int position = 0; position < primary.positions; ++position)
+        traced += primary.at(pixel, position).is_room_surface() ? double{kBatches} * job.map[pixel] : 0;
     }
     progress(traced);
   });
@@ -221,6 +222,11 @@ double count_paths(const Primary& primary, const PathMaps& maps) {
   return count_paths_of_pixels(primary, maps, 0, maps.background.size());
 }
 
+double count_room_paths(const Primary& primary, const PathMap& map) {
+  const PathMap none(map.size(), 0);
+  return count_paths(primary, {map, none, none});
+}
+
 TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::uint64_t seed,
                           const std::string& stream_name, const PathMeasures& measures,
                           const std::function<void(double)>& progress) {
@@ -242,6 +248,13 @@ TracedLayers trace_layers(const FamilyScene& scene, const PathMaps& maps, std::u
   });
   check_finite({&layers.direct, &layers.indirect}, stream_name);
   return layers;
+}
+
+void add_independent(TracedLayer& sum, const TracedLayer& more) {
+  for (std::size_t i = 0; i < sum.mean.values.size(); ++i) {
+    sum.mean.values[i] += more.mean.values[i];
+    sum.standard_error.values[i] = std::hypot(sum.standard_error.values[i], more.standard_error.values[i]);
+  }
 }
 
 HdrImage combine_standard_errors(const TracedLayers& layers) {

@@ -28,6 +28,9 @@ PathMaps make_fixed_maps(const Primary& primary, const PathCounts& paths);
 /// Paths that maps come to where the object and the room are seen. units: paths
 double count_paths(const Primary& primary, const PathMaps& maps);
 
+/// Of the room alone. units: paths
+double count_room_paths(const Primary& primary, const PathMap& map);
+
 struct TracedLayers {
   TracedLayer background, direct, indirect;
 };
@@ -72,6 +75,9 @@ StreamKey make_background_key(std::uint64_t seed, const std::string& stream_name
 /// A picture with a value that is not finite fails as a whole: none is ever set to zero. errors: InputError
 /// naming what was made, with their number.
 void check_finite(const std::vector<const TracedLayer*>& layers, const std::string& name);
+
+/// Adds a layer whose errors are independent.
+void add_independent(TracedLayer& sum, const TracedLayer& more);
 
 /// Standard error of the sum of the layers.
 HdrImage combine_standard_errors(const TracedLayers& layers);

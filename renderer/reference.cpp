@@ -114,10 +114,6 @@ std::uint32_t find_most_paths(const Primary& primary) {
   return static_cast<std::uint32_t>(kMostPathsAPixel / (kBatches * primary.positions));
 }
 
-double count_background(const Primary& primary, const PathMap& map) {
-  return count_paths(primary, {map, make_no_paths(map), make_no_paths(map)});
-}
-
 double count_object(const Primary& primary, const PathMaps& maps) {
   return count_paths(primary, {make_no_paths(maps.direct), maps.direct, maps.indirect});
 }
@@ -149,10 +145,10 @@ ReferenceParams make_reference_params(const Study& study, const Scene& scene, co
 namespace {
 
 double guess_background_paths(const ReferenceParams& params, const Primary& primary) {
-  const double traced = count_background(primary, guess_maps(params, primary).background);
+  const double traced = count_room_paths(primary, guess_maps(params, primary).background);
   if (params.fixed || params.method != ReferenceMethod::kCompensated) return traced;
   const PathMap one(primary.hits.size() / static_cast<std::size_t>(primary.positions), 1);
-  const double pixels = count_background(primary, one) / (kBatches * primary.positions);
+  const double pixels = count_room_paths(primary, one) / (kBatches * primary.positions);
   return std::min(traced, kCompensatedRoom * traced + kRoomSets * pixels);
 }
 
@@ -190,13 +186,13 @@ void add_elsewhere(const TracedLayer& from, TracedLayer& to) {
 void look_again(const World& world, const Primary& primary, const TracedLayers& pilot,
                 const HdrImage& coverage, const ReferenceParams& params, const FamilyProgress& progress,
                 PathMap& map) {
-  const std::size_t stride = find_look_stride(coverage), width = static_cast<std::size_t>(coverage.width);
+  const std::size_t stride = find_look_stride(coverage);
   if (stride == 0) return;
-  PathMap some = map;
+  PathMap some = thin_out(map, coverage.width, stride);
   for (std::size_t i = 0; i < some.size(); ++i) {
-    if (coverage.values[i] > 0 || i % width % stride != 0 || i / width % stride != 0) some[i] = 0;
+    if (coverage.values[i] > 0) some[i] = 0;
   }
-  progress.expect_more(count_background(primary, some));
+  progress.expect_more(count_room_paths(primary, some));
   const TracedLayer look =
       trace_layers({world, make_grey_materials(world), primary},
                    {some, make_no_paths(map), make_no_paths(map)}, params.seed,
@@ -215,24 +211,9 @@ void look_again(const World& world, const Primary& primary, const TracedLayers& 
 // and column.
 constexpr double kLargeRoom = 24000;
 
-// With a grey object.
-TracedLayers fly_background(const World& world, const Primary& primary, const PathMaps& maps,
-                            const HdrImage& coverage, const ReferenceParams& params,
-                            const FamilyProgress& progress) {
+std::size_t find_room_stride(const World& world, const HdrImage& coverage, const ReferenceParams& params) {
   const auto room = std::count(coverage.values.begin(), coverage.values.end(), 0.f);
-  const bool is_sparse = is_by_sets(world, params) && static_cast<double>(room) >= kLargeRoom;
-  PathMaps some = maps;
-  const auto width = static_cast<std::size_t>(coverage.width);
-  for (std::size_t i = 0; i < some.background.size() && is_sparse; ++i) {
-    if (coverage.values[i] == 0 && (i % width % 2 != 0 || i / width % 2 != 0)) some.background[i] = 0;
-  }
-  progress.expect_more(count_background(primary, some.background) -
-                       count_background(primary, maps.background));
-  TracedLayers pilot =
-      trace_layers({world, make_grey_materials(world), primary}, some, params.seed,
-                   params.background_stream_name + ".pilot", params.measures, progress.advance);
-  if (is_sparse) fill_room_between(pilot.background, some.background, coverage, 2);
-  return pilot;
+  return is_by_sets(world, params) && static_cast<double>(room) >= kLargeRoom ? 2 : 1;
 }
 
 }  // namespace
@@ -242,11 +223,24 @@ BackgroundPlan plan_background(const World& world, const Primary& primary, const
   if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background};
   const PathMaps few = make_pilot_maps(primary);
   const HdrImage coverage = make_coverage(primary);
-  TracedLayers pilot = fly_background(world, primary, few, coverage, params, progress);
+  const std::size_t stride = find_room_stride(world, coverage, params);
+  PathMaps some = few;
+  some.background = thin_out(few.background, coverage.width, stride);
+  for (std::size_t i = 0; i < coverage.pixel_count(); ++i) {
+    if (coverage.values[i] > 0) some.background[i] = few.background[i];
+  }
+  progress.expect_more(count_room_paths(primary, some.background) -
+                       count_room_paths(primary, few.background));
+  TracedLayers pilot =
+      trace_layers({world, make_grey_materials(world), primary}, some, params.seed,
+                   params.background_stream_name + ".pilot", params.measures, progress.advance);
+  const int reach = static_cast<int>(stride);
+  if (stride > 1) fill_room_between(pilot.background, some.background, coverage, reach);
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
   std::optional<RoomPlan> by_sets;
   if (is_by_sets(world, params))
-    by_sets = plan_compensated_room(world, primary, {pilot, few, map}, params, progress);
+    by_sets =
+        plan_compensated_room(world, primary, {pilot, few, some.background, reach, map}, params, progress);
   if (!by_sets) look_again(world, primary, pilot, coverage, params, progress, map);
   const std::uint32_t most = find_most_paths(primary);
   for (std::size_t i = 0; i < map.size(); ++i) {
@@ -256,7 +250,7 @@ BackgroundPlan plan_background(const World& world, const Primary& primary, const
       map[i] = 0;
     }
   }
-  progress.expect_more(count_background(primary, map) + (by_sets ? count_room_work(primary, *by_sets) : 0) -
+  progress.expect_more(count_room_paths(primary, map) + (by_sets ? count_room_work(primary, *by_sets) : 0) -
                        guess_background_paths(params, primary));
   return {std::move(map), std::move(by_sets), few.background, std::move(pilot.background)};
 }
@@ -328,12 +322,10 @@ std::size_t find_pilot_stride(const HdrImage& coverage) {
 ObjectPilot fly_between(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
                         const FamilyProgress& progress) {
   const HdrImage coverage = make_coverage(scene.primary);
-  const std::size_t stride = find_pilot_stride(coverage), width = static_cast<std::size_t>(coverage.width);
+  const std::size_t stride = find_pilot_stride(coverage);
   PathMaps all = make_pilot_maps(scene.primary), some = all;
-  for (std::size_t i = 0; i < coverage.pixel_count(); ++i) {
-    if (i % width % stride == 0 && i / width % stride == 0) continue;
-    some.direct[i] = some.indirect[i] = 0;
-  }
+  some.direct = thin_out(all.direct, coverage.width, stride);
+  some.indirect = thin_out(all.indirect, coverage.width, stride);
   progress.expect_more(count_object(scene.primary, some));
   PathPilot pilot = fly(scene, plan, some, params, ".sparse-pilot", progress);
   const int reach = 1 + static_cast<int>(stride);
@@ -410,7 +402,7 @@ Background trace_room_again(const FamilyScene& scene, const BackgroundPlan& plan
   }
   ReferenceParams again = params;
   again.background_stream_name = fmt::format("{}.room-turn-{}", params.stream_name, turn);
-  progress.expect_more(count_background(scene.primary, more.map) +
+  progress.expect_more(count_room_paths(scene.primary, more.map) +
                        (more.by_sets ? count_room_work(scene.primary, *more.by_sets) : 0));
   return std::move(trace_planned_backgrounds({scene.world, {&scene.materials, 1}, scene.primary}, more, again,
                                              progress)[0]);
@@ -462,17 +454,22 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
     const Miss miss = find_miss(layers, make_coverage(scene.primary), params);
     if (miss.object <= 1 && miss.room <= 1) break;
     if (miss.room > 1) {
-      room_scale *= kRoomTurnMargin * kRoomTurnMargin * miss.room * miss.room;
+      // Where sets make it, whose pixels err alike, no better than the object's.
+      const double margin = plan.by_sets ? kTurnMargin : kRoomTurnMargin;
+      room_scale *= margin * margin * miss.room * miss.room;
       Background other = trace_room_again(scene, plan, room_scale, params, turn, progress);
       exchange_room(layers, room.layer, other.layer);
       room = std::move(other);
+      ++layers.room_turns;
     }
     if (miss.object > 1) {
       tighter.target.object_mean /= kTurnMargin * miss.object;
       tighter.target.object_p99 /= kTurnMargin * miss.object;
       tighter.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
       progress.expect_more(estimate_object_paths(tighter, scene.primary));
+      const int room_turns = layers.room_turns;
       layers = trace_once(scene, plan, room.layer, tighter, progress);
+      layers.room_turns = room_turns;
     }
     layers.room = room.sets;
     layers.turns = turn + 1;
@@ -486,7 +483,8 @@ FamilyLayers trace_family(const FamilyScene& scene, const ReferenceParams& param
   const std::vector<Background> background =
       trace_planned_backgrounds({scene.world, {&scene.materials, 1}, scene.primary}, plan, params, progress);
   FamilyLayers layers = trace_object(scene, plan, background[0], params, progress);
-  layers.paths += count_background(scene.primary, plan.map);
+  layers.paths += count_room_paths(scene.primary, plan.map);
+  if (layers.room) layers.paths += layers.room->compensation_paths;
   return layers;
 }
 

@@ -15,6 +15,7 @@ struct FamilyLayers {
   double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
   std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation
   std::optional<SetMeasures> room = {};  ///< the same of the room
+  int room_turns = 1;                    ///< of the room alone
   int turns = 1;                         ///< of them all but the last missed the target, and were thrown away
 };
 

@@ -94,7 +94,9 @@ Json tell_reference(const FamilyLayers& layers) {
 Json tell_room(const FamilyLayers& layers) {
   Json json;
   if (!layers.room) return json;
-  json.set("method", "compensated").set("paths", layers.room->compensation_paths).set("turns", layers.turns);
+  json.set("method", "compensated")
+      .set("paths", layers.room->compensation_paths)
+      .set("turns", layers.room_turns);
   tell_sets(*layers.room, json);
   return json;
 }

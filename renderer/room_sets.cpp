@@ -55,13 +55,9 @@ class RoomTracer {
   std::vector<Group> find_groups(int position) const {
     std::vector<Group> groups;
     for (auto& points : find_room_points(take_position(scene_.primary, position), coverage_)) {
-      Group group{scene_.materials[0][points.front().surface.material], std::move(points), {1, 0, {}}};
-      group.totals.points = group.points.size();
-      for (const ShadingPoint& point : group.points) {
-        const float* p = params_.totals.pixel(point.pixel);
-        group.totals.radiance.push_back({p[0], p[1], p[2]});
-      }
-      groups.push_back(std::move(group));
+      ShadedPoints totals = look_up(params_.totals, points);
+      groups.push_back(
+          {scene_.materials[0][points.front().surface.material], std::move(points), std::move(totals)});
     }
     return groups;
   }

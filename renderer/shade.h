@@ -54,6 +54,9 @@ ShadedPoints shade_all_vpls(const World& world, const std::vector<ShadingPoint>&
                             const std::vector<Material>& materials, const std::vector<double>& clamps_per_m2,
                             const std::function<void(double)>& progress, const ShadowRoulette& roulette = {});
 
+/// An image's radiance at the points' pixels, as that of one material and level.
+ShadedPoints look_up(const HdrImage& image, const std::vector<ShadingPoint>& points);
+
 /// errors: InputError that counts the points whose radiance is not finite, if any: none is ever set to zero.
 void check_finite(const ShadedPoints& shaded);
 

@@ -21,15 +21,6 @@ struct PositionPoints {
   LayerSums sums;
 };
 
-ShadedPoints look_up_totals(const HdrImage& image, const std::vector<ShadingPoint>& points) {
-  ShadedPoints totals{1, points.size(), {}};
-  for (const ShadingPoint& point : points) {
-    const float* p = image.pixel(point.pixel);
-    totals.radiance.push_back({p[0], p[1], p[2]});
-  }
-  return totals;
-}
-
 class SetTracer {
  public:
   SetTracer(const FamilyScene& scene, const VplSetsParams& params)
@@ -54,7 +45,7 @@ class SetTracer {
     for (std::size_t object = 0; object < count_objects(); ++object) {
       for (int position = 0; position < positions_; ++position) {
         PositionPoints& part = at(object, position);
-        part.totals = look_up_totals(params_.totals[object], part.points);
+        part.totals = look_up(params_.totals[object], part.points);
       }
     }
   }

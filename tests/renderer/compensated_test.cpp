@@ -15,11 +15,6 @@
 namespace equilux {
 namespace {
 
-double luminance_at(const HdrImage& image, std::size_t i) {
-  const float* p = image.pixel(i);
-  return luminance({p[0], p[1], p[2]});
-}
-
 struct Stage {
   Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
   World world;
@@ -58,7 +53,7 @@ struct Stage {
   std::array<double, 2> sum(const HdrImage& layer) const {
     std::array<double, 2> sums{};
     for (std::size_t i = 0; i < coverage.pixel_count(); ++i)
-      sums[coverage.values[i] < 1 ? 0 : 1] += luminance_at(layer, i);
+      sums[coverage.values[i] < 1 ? 0 : 1] += test::luminance_at(layer, i);
     return sums;
   }
 

@@ -69,6 +69,11 @@ inline Scene make_metal_wall_scene() {
   return make_scene(text);
 }
 
+inline double luminance_at(const HdrImage& image, std::size_t pixel) {
+  const float* p = image.pixel(pixel);
+  return luminance({p[0], p[1], p[2]});
+}
+
 inline FamilyProgress no_progress() {
   return {[](double) {}, [](double) {}};
 }
