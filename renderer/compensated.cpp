@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "renderer/lightcut.h"
 #include "renderer/set_plan.h"
 #include "renderer/vpl.h"
 
@@ -114,7 +115,7 @@ class CompensatedTracer {
     sets.paths = find_path_count(scene_.world, plan.vpls, params_.seed);
     sets.clamps_per_m2 = {clamp_per_m2(plan.clamp_level)};
     sets.error_ratio = plan.error_ratio;
-    sets.floor = find_radiance_of_step(view_.tone().record, 0.25);
+    sets.floor = find_radiance_of_step(view_.tone().record, kFloorSteps);
     sets.seed = params_.seed;
     sets.stream_name = params_.stream_name;
     sets.totals.push_back(plan.light);
@@ -147,7 +148,8 @@ class CompensatedTracer {
                        plan.error_ratio,
                        sets.mean_clusters,
                        count_object_paths(scene_.primary, maps.indirect),
-                       check_regions(std::move(sets.regions), returned, pilot_.layers.indirect, regions)};
+                       check_regions(std::move(sets.regions), returned, pilot_.layers.indirect, regions,
+                                     find_radiance_of_step(view_.tone().record, 1))};
     object.direct = std::move(direct.direct);
     object.indirect = std::move(sets.layers[0]);
     add_independent(object.indirect, returned);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "renderer/lightcut.h"
 #include "renderer/room_sets.h"
 #include "renderer/vpl.h"
 #include "renderer/vpl_sets.h"
@@ -151,7 +152,7 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
   PathMaps maps = allot_paths(
       {plan->compensation_errors, direct_errors, std::vector<double>(seen.size()), plan->set_errors},
       coverage, primary.positions, params.target);
-  return RoomPlan{std::move(*plan), find_radiance_of_step(view.tone().record, 0.25),
+  return RoomPlan{std::move(*plan), find_radiance_of_step(view.tone().record, 1),
                   mask(std::move(maps.direct), coverage), mask(std::move(maps.background), coverage)};
 }
 
@@ -182,7 +183,7 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
                                    find_path_count(world, plan.sets.vpls, params.seed),
                                    clamp_per_m2(plan.sets.clamp_level),
                                    plan.sets.error_ratio,
-                                   plan.floor,
+                                   kFloorSteps * plan.step,
                                    params.seed,
                                    name,
                                    plan.sets.light,
@@ -196,10 +197,11 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
   for (std::size_t i = 0; i < materials.size(); ++i) {
     TracedLayer beside = direct;
     add_independent(beside, returned[i]);
-    CompensatedRoom room{std::move(sets[i].layer),
-                         {plan.sets.clamp_level, sets[i].sets, sets[i].mean_vpls, plan.sets.error_ratio,
-                          sets[i].mean_clusters, count_room_paths(primary, plan.compensation),
-                          check_regions(steady(std::move(sets[i].regions)), beside, traced[i], regions)}};
+    CompensatedRoom room{
+        std::move(sets[i].layer),
+        {plan.sets.clamp_level, sets[i].sets, sets[i].mean_vpls, plan.sets.error_ratio, sets[i].mean_clusters,
+         count_room_paths(primary, plan.compensation),
+         check_regions(steady(std::move(sets[i].regions)), beside, traced[i], regions, plan.step)}};
     add_independent(room.layer, beside);
     rooms.push_back(std::move(room));
   }

@@ -12,7 +12,7 @@ namespace equilux {
 /// How it is made at pixels that no object covers any of, the same beside every material of the object.
 struct RoomPlan {
   SetPlan sets;
-  double floor = 0;              ///< of the cuts' totals. units: W/(m^2 sr), luminance
+  double step = 0;               ///< of 255, where it is darkest. units: W/(m^2 sr), luminance
   PathMap direct, compensation;  ///< 0 at other pixels
 };
 

@@ -56,8 +56,9 @@ std::vector<TracedLayer> trace_returned(const RoomScene& scene, PrimaryKind kind
                                         const std::function<void(double)>& progress) {
   EQ_CHECK(!params.clamps_per_m2.empty(), params.clamps_per_m2.size());
   const double least = *std::min_element(params.clamps_per_m2.begin(), params.clamps_per_m2.end());
-  const bool with_missing = params.emission == Emission::kLambertian &&
-                            std::any_of(scene.materials.begin(), scene.materials.end(), has_gloss);
+  const bool with_missing =
+      std::any_of(scene.materials.begin(), scene.materials.end(),
+                  [&](const Materials& of) { return lacks_gloss(params.emission, of); });
   const StreamKey key = make_stream_key(params.seed, params.stream_name + ".compensation");
   const CompensationJob job{scene, kind, params, {key, map, params.measures}, {least, with_missing}};
   const HdrImage empty(scene.primary.width, scene.primary.height);
@@ -77,6 +78,10 @@ std::vector<TracedLayer> trace_returned(const RoomScene& scene, PrimaryKind kind
 }
 
 }  // namespace
+
+bool lacks_gloss(Emission emission, const Materials& materials) {
+  return emission == Emission::kLambertian && has_gloss(materials);
+}
 
 std::vector<TracedLayer> trace_compensation(const FamilyScene& scene, const PathMap& map,
                                             const CompensationParams& params,

@@ -5,6 +5,9 @@
 
 namespace equilux {
 
+/// Whether VPLs of the scene lack light at any distance: gloss that Lambertian ones do not send on.
+bool lacks_gloss(Emission emission, const Materials& materials);
+
 struct CompensationParams {
   std::vector<double> clamps_per_m2;          ///< infinite for none
   Emission emission = Emission::kLambertian;  ///< of the VPLs

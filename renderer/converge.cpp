@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "renderer/converge_lab.h"
 #include "renderer/isa.h"
+#include "renderer/lightcut.h"
 #include "renderer/parallel.h"
 #include "renderer/reference.h"
 #include "renderer/wanted.h"
@@ -91,8 +92,7 @@ Ladder make_ratio_ladder(const Laboratory& lab, int level) {
 // Without a clamp there is nothing to give back but gloss that VPLs do not send on.
 bool changes_unclamped(const Laboratory& lab, ClampRemedy remedy) {
   return remedy == ClampRemedy::kNone ||
-         (remedy == ClampRemedy::kCompensated && lab.params.emission == Emission::kLambertian &&
-          has_gloss(lab.materials));
+         (remedy == ClampRemedy::kCompensated && lacks_gloss(lab.params.emission, lab.materials));
 }
 
 Ladder make_level_ladder(const Laboratory& lab, ClampRemedy remedy) {
@@ -257,7 +257,7 @@ Convergence measure_convergence(const Scene& scene, const ConvergeParams& params
   EQ_CHECK(params.seeds >= 2, params.seeds);
   const Laboratory lab(scene, params);
   const ReferenceTruth truth = trace_truth(lab);
-  const LitScene lit = lab.lit(find_radiance_of_step(truth.layers().tone.record, 0.25));
+  const LitScene lit = lab.lit(find_radiance_of_step(truth.layers().tone.record, kFloorSteps));
   Convergence made;
   made.source = params.source;
   made.condition = format_key(params.condition);

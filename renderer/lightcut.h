@@ -7,6 +7,10 @@
 
 namespace equilux {
 
+/// A point's total by what is displayed of it, below which nobody sees what a cut lacks. units: steps of 255,
+/// where they are darkest
+inline constexpr double kFloorSteps = 0.25;
+
 struct LightcutParams {
   double error_ratio = 0.0075;  ///< a cluster's bound over the point's total, at every level and material
   double floor = 0;  ///< of that total: below it nothing could be seen. units: W/(m^2 sr), luminance

@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "renderer/compensation.h"
 #include "renderer/cut_error.h"
+#include "renderer/lightcut.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
 #include "renderer/vpl_sets.h"
@@ -75,7 +76,8 @@ double find_floor(const PictureParams& params, const Picture& picture, const Pri
   std::vector<const HdrImage*> layers{&picture.background};
   for (const ObjectLayers& object : picture.objects) layers.push_back(&object.direct);
   const ToneMapping tone{ToneOperator::kGlobal, params.tone.key, params.tone.exposure};
-  return find_radiance_of_step(make_tone_curve(composite(layers), make_coverage(primary), tone).record, 0.25);
+  return find_radiance_of_step(make_tone_curve(composite(layers), make_coverage(primary), tone).record,
+                               kFloorSteps);
 }
 
 // All VPLs: as a list where they are few, else as a tree.

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "renderer/batches.h"
+#include "renderer/compensation.h"
 #include "renderer/lights.h"
 #include "renderer/path_tracer.h"
 #include "renderer/primary.h"
@@ -148,7 +149,7 @@ Omission plan_views(const Probe& probe) {
 }
 
 Omission plan_ray_length(const Probe& probe) {
-  const bool left_out = probe.request.emission == Emission::kFull || !has_gloss(probe.materials);
+  const bool left_out = !lacks_gloss(probe.request.emission, probe.materials);
   return {"long rays of compensation", left_out,
           left_out ? "beyond sqrt(M / c) nothing is clamped, and VPLs lack nothing"
                    : "Lambertian VPLs lack gloss at any distance",

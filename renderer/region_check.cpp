@@ -41,7 +41,7 @@ std::vector<RegionLight> sum_regions(const TracedLayer& layer, const std::vector
 }  // namespace
 
 double RegionCheck::z() const {
-  const double error = std::hypot(light.standard_error, traced.standard_error);
+  const double error = std::max(least_error, std::hypot(light.standard_error, traced.standard_error));
   return error > 0 ? (light.mean - traced.mean) / error : 0;
 }
 
@@ -71,7 +71,8 @@ std::vector<int> find_regions(const HdrImage& share, const PathMap& seen) {
 }
 
 std::vector<RegionCheck> check_regions(std::vector<RegionLight> sets, const TracedLayer& beside,
-                                       const TracedLayer& traced, const std::vector<int>& regions) {
+                                       const TracedLayer& traced, const std::vector<int>& regions,
+                                       double step) {
   const auto more = sum_regions(beside, regions), paths = sum_regions(traced, regions);
   sets.resize(kRegions);
   std::vector<RegionCheck> checks;
@@ -80,7 +81,7 @@ std::vector<RegionCheck> check_regions(std::vector<RegionLight> sets, const Trac
     RegionLight light = sets[region];
     light.mean += more[region].mean;
     light.standard_error = std::hypot(light.standard_error, more[region].standard_error);
-    checks.push_back({name_region(static_cast<int>(region)), light, paths[region]});
+    checks.push_back({name_region(static_cast<int>(region)), light, paths[region], kLeastSteps * step});
   }
   return checks;
 }

@@ -248,7 +248,8 @@ class SetPilotTracer {
       CutRecord record;
       const ShadedPoints some = shade_lightcut(
           scene_.world, group.points, lights, {scene_.materials[group.points.front().surface.material]},
-          clamps_, {kPilotRatio, find_radiance_of_step(view_.tone().record, 0.25), &group.totals, false},
+          clamps_,
+          {kPilotRatio, find_radiance_of_step(view_.tone().record, kFloorSteps), &group.totals, false},
           &record);
       sizes = std::accumulate(record.sizes.begin(), record.sizes.end(), sizes);
       for (std::size_t level = 0; level < candidates_.size(); ++level)

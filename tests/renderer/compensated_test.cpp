@@ -251,5 +251,21 @@ TEST(RegionChecks, CountDifferencesInStandardErrors) {
   EXPECT_EQ((RegionCheck{"r1c1", {0, 0, 1}, {0, 0, 1}}.z()), 0);
 }
 
+// In a black room few of the check's paths meet the light that an object sends itself: where none does, they
+// tell no error, and the reference is not to be blamed for a light that nobody sees. A tenth of a step is
+// seen again.
+TEST(RegionChecks, OfLightThatNobodySeesBlameNoOne) {
+  const double step = 1e-3;
+  const HdrImage none(2, 1);
+  const std::vector<int> regions{0, 0};
+  const auto find_z = [&](double light) {
+    std::vector<RegionLight> sets(1, RegionLight{light, light / 50, 2});
+    return check_regions(sets, {none, none}, {none, none}, regions, step)[0].z();
+  };
+  EXPECT_NEAR(find_z(1e-3 * step), 0.1, 1e-9);
+  EXPECT_NEAR(find_z(0.1 * step), 10, 1e-6);
+  EXPECT_NEAR(find_z(step), 50, 1e-6);
+}
+
 }  // namespace
 }  // namespace equilux

@@ -329,6 +329,52 @@ TEST(Plan, FollowsTheCondition) {
             0);
 }
 
+// What the plan says of a condition, against what its rendering came to.
+void expect_rendered_by_plan(const Scene& scene, const std::string& key, Emission emission) {
+  PlanRequest request = make_request(key);
+  request.emission = emission;
+  const auto left_out = list_left_out(make_plan(scene, request));
+  const auto leaves_out = [&](const char* what) {
+    return std::count(left_out.begin(), left_out.end(), what) > 0;
+  };
+  const Object& object = request.condition.cell.column.object;
+  const Stage stage(scene, object.geometry, object.material, object.illumination);
+  const TracedLayers layers = trace_stage(stage);
+  if (leaves_out("direct light of the object")) EXPECT_TRUE(is_black(layers.direct.mean)) << key;
+  if (!is_black(layers.direct.mean))
+    EXPECT_EQ(is_black(layers.direct.standard_error), leaves_out("sampling of direct light")) << key;
+  const VplList vpls = join_vpls(trace_vpls(stage.world, stage.materials, 5000, 1, "plan-test", emission));
+  ASSERT_GT(vpls.size(), 0u) << key;
+  EXPECT_EQ(vpls.gloss.empty(), leaves_out("emission directions of VPLs")) << key;
+  // Without a clamp nothing comes back but what goes missing at any distance.
+  const PathMap map(stage.primary.hits.size() / 2, 64);
+  const double none = std::numeric_limits<double>::infinity();
+  const TracedLayer missing =
+      trace_compensation(stage.family(), map, {{none}, emission, 1, "plan-test", {}}, [](double) {})[0];
+  EXPECT_EQ(is_black(missing.mean), leaves_out("long rays of compensation")) << key;
+}
+
+Scene load_scene_of(const char* name) {
+  return load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes" /
+                    (std::string(name) + ".json"));
+}
+
+// The renderer decides where it works; the plan must never tell another story.
+TEST(Plan, IsWhatTheRendererDoes) {
+  for (const Emission emission : {Emission::kLambertian, Emission::kFull}) {
+    for (const char* key : {"G0-LG-ind-1k-C0-v0", "G2-MS-dir-1k-C0-v0"}) {
+      for (const char* scene : {"cafe", "proof-room"})
+        expect_rendered_by_plan(load_scene_of(scene), key, emission);
+    }
+    expect_rendered_by_plan(load_scene_of("gallery"), "Ball-MS-ind-1k-C0-v0", emission);
+    test::SceneText text;
+    text.instances = R"([{"mesh":"ball","material":"grey","at":[2.2,0,0]}])";
+    expect_rendered_by_plan(test::make_scene(text), "G0-grey-ind-1k-C0-v0", emission);
+    text.lights = R"([{"environment":{"radiance":[1,2,3]}}])";
+    expect_rendered_by_plan(test::make_scene(text), "G0-grey-ind-1k-C0-v0", emission);
+  }
+}
+
 TEST(Plan, IsToldInWords) {
   const std::string text = format_plan(make_plan(load_cafe(), make_request("G0-MS-ind-5M-C4-v0")));
   EXPECT_EQ(text.find("cafe, G0-MS-ind-5M-C4-v0: "), 0u) << text;
