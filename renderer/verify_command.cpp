@@ -3,29 +3,59 @@
 
 #include "base/program.h"
 #include "renderer/commands.h"
+#include "renderer/jobs.h"
+#include "renderer/submit.h"
 #include "renderer/verify.h"
 
 namespace equilux {
+namespace {
+
+struct VerifyOptions {
+  std::filesystem::path folder, study;
+  int jobs = 0;  // 0: not rendered in shares
+};
+
+// Shares that failed or were lost.
+std::vector<Finding> find_lost_shares(const VerifyOptions& options) {
+  if (options.jobs == 0) return {};
+  SubmitParams params;
+  params.study_path = options.study;
+  params.folder = options.folder;
+  params.count = options.jobs;
+  std::vector<Finding> findings;
+  for (const int index : find_unfinished(params))
+    findings.push_back({fmt::format("share {} of {}", index, options.jobs),
+                        "not whole; `equilux-render submit` with this number renders what it lacks"});
+  return findings;
+}
+
+int run_verify(const VerifyOptions& options) {
+  Verification set =
+      verify_set(options.folder, options.study.empty() ? std::nullopt : std::optional(options.study));
+  const auto lost = find_lost_shares(options);
+  set.findings.insert(set.findings.end(), lost.begin(), lost.end());
+  for (const Finding& finding : set.findings) fmt::print("{}\n", format_finding(finding));
+  fmt::print("{}: {} pictures and {} layers, {}\n", options.folder.string(), set.pictures, set.layers,
+             set.findings.empty() ? std::string("whole") : fmt::format("{} findings", set.findings.size()));
+  return set.findings.empty() ? kExitOk : kExitError;
+}
+
+}  // namespace
 
 void add_verify(CLI::App& app, CommandLine& line) {
-  auto folder = std::make_shared<std::filesystem::path>();
-  auto study = std::make_shared<std::filesystem::path>();
+  auto options = std::make_shared<VerifyOptions>();
   CLI::App* verify =
       app.add_subcommand("verify", "Check that a set is whole, consistent and within its limits");
-  verify->add_option("folder", *folder, "Study folder")->required();
-  verify->add_option("--study", *study,
+  verify->add_option("folder", options->folder, "Study folder")->required();
+  verify->add_option("--study", options->study,
                      "Study file, to check that each layer was made from it and its scene");
+  verify
+      ->add_option("--jobs", options->jobs,
+                   "Shares that it was rendered in, to tell which failed or were lost")
+      ->check(CLI::Range(1, kMostJobs))
+      ->needs("--study");
   verify->footer("Example: equilux-render verify studies/pocket --study protocols/pocket.json");
-  verify->callback([&line, folder, study] {
-    line.command = [folder, study] {
-      const Verification set = verify_set(*folder, study->empty() ? std::nullopt : std::optional(*study));
-      for (const Finding& finding : set.findings) fmt::print("{}\n", format_finding(finding));
-      fmt::print(
-          "{}: {} pictures and {} layers, {}\n", folder->string(), set.pictures, set.layers,
-          set.findings.empty() ? std::string("whole") : fmt::format("{} findings", set.findings.size()));
-      return set.findings.empty() ? kExitOk : kExitError;
-    };
-  });
+  verify->callback([&line, options] { line.command = [options] { return run_verify(*options); }; });
 }
 
 }  // namespace equilux

@@ -2,7 +2,9 @@
 #include "renderer/jobs.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <unistd.h>
 
 #include "base/error.h"
@@ -212,6 +214,52 @@ TEST(Set, OnAFullDiskSaysSoAndIsCompletedLater) {
   }
   make_set(params_of(study, "set"));
   EXPECT_EQ(digest_products(study.folder() / "set"), digest_products(study.folder() / "whole"));
+}
+
+// A file system of its own, as large as one likes. Only root may have one.
+class SmallDisk {
+ public:
+  explicit SmallDisk(const fs::path& at) : at_(at) {
+    fs::create_directories(at);
+    is_there_ = ::mount("tmpfs", at_.c_str(), "tmpfs", 0, "size=64k") == 0;
+  }
+  ~SmallDisk() {
+    if (is_there_) ::umount2(at_.c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+
+  bool is_there() const { return is_there_; }
+  bool resize(int kib) const {
+    return ::mount("tmpfs", at_.c_str(), "tmpfs", MS_REMOUNT, fmt::format("size={}k", kib).c_str()) == 0;
+  }
+
+ private:
+  fs::path at_;
+  bool is_there_ = false;
+};
+
+// The same on a disk that has no block left, and is made larger until all has room.
+TEST(Set, OnADiskWithoutBlocksSaysSoAndIsCompletedLater) {
+  const test::TinyStudy study;
+  const SmallDisk disk(study.folder() / "disk");
+  if (!disk.is_there()) GTEST_SKIP() << "no file system can be mounted here";
+  make_set(params_of(study, "whole"));
+  for (const int kib : {64, 128, 256}) {
+    ASSERT_TRUE(disk.resize(kib));
+    EXPECT_THAT(message_of<StoreError>([&] { make_set(params_of(study, "disk/set")); }),
+                HasSubstr("No space left on device"))
+        << kib;
+    for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "disk")) {
+      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+      if (entry.path().extension() == ".exr") {
+        EXPECT_NO_THROW(load_exr(entry.path()));
+      }
+    }
+  }
+  ASSERT_TRUE(disk.resize(1 << 16));
+  make_set(params_of(study, "disk/set"));
+  EXPECT_EQ(digest_products(study.folder() / "disk/set"), digest_products(study.folder() / "whole"));
 }
 
 // As somebody whom permissions stop, which root is not.

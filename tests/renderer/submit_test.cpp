@@ -36,7 +36,7 @@ TEST(Submit, ListsSharesAsSlurmDoes) {
   EXPECT_THAT(jobs.array_text, HasSubstr("--isa v3"));
   EXPECT_THAT(jobs.gather_text,
               HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
-                        "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json'\n"));
+                        "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json' --jobs 12\n"));
   EXPECT_EQ(format_sbatch(make_slurm_jobs(params, {})),
             std::vector<std::string>{
                 "sbatch --parsable --output='/x/a set/slurm/%j.log' '/x/a set/slurm/gather.sh'"});

@@ -12,6 +12,7 @@ namespace equilux {
 namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kShares = 4;
 // Which is killed.
@@ -97,12 +98,18 @@ TEST(Slurm, MakesOfSharesWhatOneProcessMakesAlthoughAWorkerIsKilled) {
   const test::CommandResult gap = render("verify " + quote(set));
   EXPECT_EQ(gap.exit_code, 1);
   EXPECT_THAT(gap.text, HasSubstr("no pictures were made"));
+  const std::string by_share =
+      fmt::format("verify {} --study {} --jobs {}", quote(set), quote(study), kShares);
+  const test::CommandResult lost = render(by_share);
+  EXPECT_EQ(lost.exit_code, 1);
+  EXPECT_THAT(lost.text, HasSubstr("share 3 of 4: not whole"));
+  for (const int other : {1, 2, 4}) EXPECT_THAT(lost.text, Not(HasSubstr(fmt::format("share {} of", other))));
   const test::CommandResult again = render(submit);
   ASSERT_EQ(again.exit_code, 0) << again.text;
   EXPECT_THAT(again.text, HasSubstr("1 of 4 shares to render"));
   EXPECT_THAT(load_text(set / "slurm/array.sh"), HasSubstr("$SLURM_ARRAY_TASK_ID/4"));
   ASSERT_TRUE(test::wait_for(90, test::Cluster::is_idle)) << test::run_shell("squeue").text;
-  const test::CommandResult verified = render("verify " + quote(set) + " --study " + quote(study));
+  const test::CommandResult verified = render(by_share);
   EXPECT_EQ(verified.exit_code, 0) << verified.text;
   EXPECT_EQ(digest_set(set), digest_set(whole));
   EXPECT_THAT(render(submit).text, HasSubstr("0 of 4 shares to render"));
