@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "renderer/wanted.h"
 
 namespace equilux {
 namespace {
@@ -48,6 +49,7 @@ std::vector<Condition> parse_scene_conditions(const SceneOrStudy& input,
       throw InputError("--condition", "", "a geometry of the scene: " + list_geometries(scene),
                        object.geometry);
     find_material(scene, object.material);
+    check_has_light(scene, object.illumination);
     conditions.push_back(condition);
   }
   return conditions;

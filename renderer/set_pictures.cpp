@@ -83,7 +83,11 @@ void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSu
   } else if (is_black(loaded.indirect) && is_black(loaded.direct)) {
     summary.warnings.push_back(key + ": no light reaches the object");
   }
-  if (is_black(loaded.background)) summary.warnings.push_back(key + ": the background is black");
+  const auto& covered = loaded.coverage.values;
+  const bool has_background =
+      std::any_of(covered.begin(), covered.end(), [](float share) { return share < 1; });
+  if (has_background && is_black(loaded.background))
+    summary.warnings.push_back(key + ": the background is black");
 }
 
 // A picture of a family: what its record says but for its file, and its object's indirect light.

@@ -2,6 +2,7 @@
 #include "renderer/wanted.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <fnmatch.h>
 
 #include "base/error.h"
@@ -89,11 +90,20 @@ std::vector<int> traversed_levels(const Study& study) {
   return {levels.begin(), levels.end()};
 }
 
+void check_has_light(const Scene& scene, Illumination illumination) {
+  const auto shines = [&](const Light& light) { return is_on(light, illumination); };
+  if (std::any_of(scene.lights.begin(), scene.lights.end(), shines)) return;
+  throw InputError(scene.path.string(), "/lights",
+                   fmt::format("a light that is on under {}", format_illumination(illumination)), "none");
+}
+
 Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted) {
   Recipes recipes{study, {}};
   for (const Family& family : wanted.families) {
     const auto [part, added] = recipes.scene_parts.try_emplace(family.object);
-    if (added) part->second = digest_scene_part(scene, family.object);
+    if (!added) continue;
+    check_has_light(scene, family.object.illumination);
+    part->second = digest_scene_part(scene, family.object);
   }
   return recipes;
 }

@@ -41,6 +41,9 @@ struct Recipes {
   std::map<Object, std::string> scene_parts;
 };
 
+/// errors: InputError where the illumination leaves no light on
+void check_has_light(const Scene& scene, Illumination illumination);
+
 /// Reads every mesh file that these objects need. errors: InputError for what the scene lacks.
 Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted);
 

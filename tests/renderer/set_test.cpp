@@ -19,6 +19,7 @@
 #include "stimuli/layers.h"
 #include "stimuli/png_file.h"
 #include "tests/renderer/tiny_study.h"
+#include "tests/support/failures.h"
 
 namespace equilux {
 namespace {
@@ -299,20 +300,54 @@ TEST(Set, ADamagedTimingFileIsSaidBeforeTheWork) {
   }
 }
 
-TEST(Set, AnObjectThatIsNotInThePictureIsWarnedOf) {
-  const test::TinyStudy study;
-  Json scene = parse_json(load_text(std::string(EQUILUX_SOURCE_DIR) + "/stimuli/scenes/cafe.json"), "cafe");
-  Json object = scene.at("object");
-  object.set("stand", parse_json("[0, 0, -50]", ""));
-  scene.set("object", object);
+Json load_cafe() {
+  return parse_json(load_text(std::string(EQUILUX_SOURCE_DIR) + "/stimuli/scenes/cafe.json"), "cafe");
+}
+
+// The study of another scene.
+SetParams write_study_of(const Json& scene, const test::TinyStudy& study, const std::string& only) {
   save_text(study.folder() / "scene.json", format_json(scene));
   Json text = parse_json(load_text(study.path()), "study");
   text.set("scene", "scene.json");
-  save_text(study.folder() / "away.json", format_json(text));
-  const auto summary = make_set({study.folder() / "away.json", study.folder() / "away", "G0-MS-ind-ref-v0"});
+  save_text(study.folder() / "other.json", format_json(text));
+  return {study.folder() / "other.json", study.folder() / "other", only};
+}
+
+TEST(Set, AnObjectThatIsNotInThePictureIsWarnedOf) {
+  const test::TinyStudy study;
+  Json scene = load_cafe();
+  Json object = scene.at("object");
+  object.set("stand", parse_json("[0, 0, -50]", ""));
+  scene.set("object", object);
+  const auto summary = make_set(write_study_of(scene, study, "G0-MS-ind-ref-v0"));
   ASSERT_EQ(summary.warnings.size(), 1u);
   EXPECT_NE(summary.warnings[0].find("G0-MS-ind-ref-v0: the object is not in the picture"),
             std::string::npos);
+}
+
+// Nor has a picture that the object fills a background that could be black.
+TEST(Set, AnObjectThatFillsThePictureIsNotWarnedOf) {
+  const test::TinyStudy study;
+  Json scene = load_cafe(), camera = scene.at("camera");
+  camera.set("vertical_fov_degrees", 2);
+  scene.set("camera", camera);
+  EXPECT_EQ(make_set(write_study_of(scene, study, "G0-MS-ind-ref-v0")).warnings, std::vector<std::string>());
+}
+
+// Said before anything is rendered.
+TEST(Set, AnIlluminationWithoutALightIsRefused) {
+  const test::TinyStudy study;
+  Json scene = load_cafe(), lights{Json::Array{}};
+  for (Json light : scene.at("lights").as_array()) {
+    light.set("illuminations", parse_json(R"(["dir"])", ""));
+    lights.push(std::move(light));
+  }
+  scene.set("lights", lights);
+  const SetParams params = write_study_of(scene, study, "G0-MS-*-ref-v0");
+  EXPECT_THAT(message_of<InputError>([&] { make_set(params); }),
+              testing::AllOf(testing::HasSubstr("scene.json: /lights"),
+                             testing::HasSubstr("on under ind, got none")));
+  EXPECT_FALSE(path_exists(params.folder / "layers.json"));
 }
 
 TEST(Set, AGlobThatNamesNothingIsAnInputError) {

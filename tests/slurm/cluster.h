@@ -16,6 +16,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "tests/support/shell.h"
 #include "tests/support/temp_folder.h"
 
 namespace equilux::test {
@@ -28,22 +29,6 @@ inline bool wait_for(double seconds, const std::function<bool()>& condition) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return true;
-}
-
-struct CommandResult {
-  int exit_code = -1;
-  std::string text;  ///< both streams
-};
-
-inline CommandResult run_shell(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  EQ_CHECK(pipe != nullptr);
-  CommandResult result;
-  char buffer[4096];
-  while (std::fgets(buffer, sizeof buffer, pipe)) result.text += buffer;
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
-  return result;
 }
 
 class Cluster {
