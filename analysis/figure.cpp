@@ -2,6 +2,7 @@
 #include "analysis/figure.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "analysis/tables.h"
 #include "base/error.h"
@@ -116,6 +117,27 @@ std::string format_panel(const FigurePanel& panel, Rule rule) {
   return text + plot + labels + "\n";
 }
 
+// gnuplot knows files alone. Removed at the end of its scope.
+class DrawingFolder {
+ public:
+  DrawingFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "equilux-figures-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw StoreError(fmt::format("{}: expected a new folder, got none", name));
+    path_ = name;
+  }
+  ~DrawingFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  DrawingFolder(const DrawingFolder&) = delete;
+  DrawingFolder& operator=(const DrawingFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 }  // namespace
 
 std::vector<Figure> make_figures(const std::vector<Report>& reports) {
@@ -169,15 +191,20 @@ void draw_plot(const std::filesystem::path& file,
   });
 }
 
-void draw_figures(const std::vector<Report>& reports, const std::filesystem::path& folder) {
+ReportFiles draw_figures(const std::vector<Report>& reports) {
   const Rule rule = reports.front().rule;
+  const DrawingFolder folder;
+  ReportFiles files;
   for (const Figure& figure : make_figures(reports)) {
     for (const auto& [format, end] : {std::pair(FigureFormat::kSvg, ".svg"), {FigureFormat::kPdf, ".pdf"}}) {
       const FigureFormat wanted = format;
-      draw_plot(folder / (figure.name + end),
+      const std::filesystem::path file = folder.path() / (figure.name + end);
+      draw_plot(file,
                 [&](const std::filesystem::path& part) { return format_figure(figure, rule, wanted, part); });
+      files[file.filename().string()] = load_text(file);
     }
   }
+  return files;
 }
 
 }  // namespace equilux

@@ -35,9 +35,9 @@ enum class FigureFormat { kSvg, kPdf };
 std::string format_figure(const Figure& figure, Rule rule, FigureFormat format,
                           const std::filesystem::path& file);
 
-/// Draws all figures as SVG and PDF into a folder. errors: InputError where gnuplot cannot be run, StoreError
-/// where it cannot draw.
-void draw_figures(const std::vector<Report>& reports, const std::filesystem::path& folder);
+/// All figures as SVG and PDF. errors: InputError where gnuplot cannot be run, StoreError where it cannot
+/// draw.
+ReportFiles draw_figures(const std::vector<Report>& reports);
 
 /// Draws by gnuplot's commands, in which `make` names the file. errors: as draw_figures.
 void draw_plot(const std::filesystem::path& file,

@@ -212,6 +212,13 @@ void print_study(const Report& report, bool alone) {
   }
 }
 
+// What no report wrote, or somebody changed since.
+std::string describe_others(const std::vector<std::string>& others) {
+  if (others.empty()) return "";
+  return fmt::format("not of this report, left as found: {}{}\n", others.front(),
+                     others.size() > 1 ? fmt::format(" and {} more", others.size() - 1) : "");
+}
+
 }  // namespace
 
 std::vector<Report> load_reports(const AnalyzeParams& params) {
@@ -247,10 +254,12 @@ int run_prune(const AnalyzeParams& params) {
 int run_report(const AnalyzeParams& params) {
   const auto reports = load_reports(params);
   const StudyFolder first{params.study_folders.front()};
-  const auto page = write_report(reports, params.out.empty() ? first.report_folder() : params.out);
-  if (params.plot) draw_figures(reports, page.parent_path());
+  const auto folder = params.out.empty() ? first.report_folder() : params.out;
+  ReportFiles files = make_report_files(reports);
+  if (params.plot) files.merge(draw_figures(reports));
+  const auto others = save_report(files, folder);
   for (const Report& report : reports) print_study(report, reports.size() == 1);
-  fmt::print("report: {}\n", page.string());
+  fmt::print("report: {}\n{}", (folder / kReportPage).string(), describe_others(others));
   return kExitOk;
 }
 

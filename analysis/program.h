@@ -28,7 +28,8 @@ std::vector<Report> load_reports(const AnalyzeParams& params);
 /// Prunes the study of a folder and prints what goes on. Gives the exit code. errors: InputError, StoreError
 int run_prune(const AnalyzeParams& params);
 
-/// Writes report/ and prints the EE table. Gives the exit code. errors: InputError, StoreError
+/// Writes report/, from which files of an earlier report go, and prints the EE table. Gives the exit code.
+/// errors: InputError, StoreError
 int run_report(const AnalyzeParams& params);
 
 /// Writes answers.csv and its csv-metadata.json into a folder. Gives the exit code. errors: InputError,

@@ -1,4 +1,4 @@
-// Evidence to a report, and a report to report/.
+// Evidence to a report, and a report to its files.
 #include "analysis/report.h"
 
 #include <algorithm>
@@ -10,11 +10,9 @@
 #include "analysis/report_tables.h"
 #include "analysis/tables.h"
 #include "base/error.h"
-#include "base/files.h"
 
 namespace equilux {
 namespace {
-namespace fs = std::filesystem;
 
 std::set<std::string> digests_of(const std::vector<SessionRow>& sessions,
                                  std::string SessionDigests::*member) {
@@ -278,22 +276,21 @@ void add_normalisation_trends(std::vector<Report>& reports) {
   }
 }
 
-fs::path write_report(const std::vector<Report>& reports, const fs::path& folder) {
-  make_folder(folder);
+ReportFiles make_report_files(const std::vector<Report>& reports) {
+  ReportFiles files;
   const auto tables = make_report_tables(reports);
-  for (const ReportTable& table : tables) save_text(folder / table.file, format_csv(table.table));
-  save_text(folder / "csv-metadata.json", format_json(make_csv_metadata(tables)));
-  save_text(folder / "report.json", format_json(make_report_json(reports)));
+  for (const ReportTable& table : tables) files[table.file] = format_csv(table.table);
+  files["csv-metadata.json"] = format_json(make_csv_metadata(tables));
+  files["report.json"] = format_json(make_report_json(reports));
   for (const Report& report : reports) {
     const std::string study = reports.size() > 1 ? report.study.name + "-" : "";
     for (const Object& object : enumerate_objects(report.study)) {
-      save_text(folder / fmt::format("graph-{}{}.svg", study, format_key(object)),
-                draw_graph(object, findings_of(report.findings, object), report.rule));
+      files[fmt::format("graph-{}{}.svg", study, format_key(object))] =
+          draw_graph(object, findings_of(report.findings, object), report.rule);
     }
   }
-  fs::path page = folder / "index.html";
-  save_text(page, format_page(reports));
-  return page;
+  files[kReportPage] = format_page(reports);
+  return files;
 }
 
 }  // namespace equilux

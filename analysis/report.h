@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include "analysis/cell_statistics.h"
 #include "analysis/equivalence.h"
 #include "analysis/evidence.h"
+#include "analysis/report_folder.h"
 #include "analysis/trends.h"
 #include "analysis/uncertainty.h"
 #include "stimuli/convergence.h"
@@ -94,10 +94,10 @@ void sort_reports(std::vector<Report>& reports);
 /// other trends.
 void add_normalisation_trends(std::vector<Report>& reports);
 
-/// Writes the tables of all studies together (docs/analysis.md says what each column means, and so does
-/// csv-metadata.json), report.json, a graph for each object and index.html, each only whole. The bytes depend
-/// on the reports and the program's version alone. Gives the path of index.html.
-std::filesystem::path write_report(const std::vector<Report>& reports, const std::filesystem::path& folder);
+/// The tables of all studies together (docs/analysis.md says what each column means, and so does
+/// csv-metadata.json), report.json, a graph for each object and index.html. The bytes depend on the reports
+/// and the program's version alone.
+ReportFiles make_report_files(const std::vector<Report>& reports);
 
 /// The self-contained page. shape: one HTML document with style and graphs inside.
 std::string format_page(const std::vector<Report>& reports);

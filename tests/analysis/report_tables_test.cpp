@@ -13,6 +13,7 @@
 #include "analysis/program.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/program.h"
 #include "experiment/simulate.h"
 #include "experiment/withdraw.h"
 #include "protocols/session_protocol.h"
@@ -215,7 +216,7 @@ TEST_F(Folders, give_the_same_bytes_in_any_order) {
   const fs::path first = temporary_ / "first", second = temporary_ / "second";
   for (const auto& [out, names] :
        std::map<fs::path, std::vector<std::string>>{{first, {"a", "b", "n"}}, {second, {"n", "b", "a"}}}) {
-    write_report(load(names), out);
+    save_report(make_report_files(load(names)), out);
   }
   EXPECT_EQ(read_files(first), read_files(second));
 }
@@ -331,14 +332,37 @@ TEST_F(Folders, make_a_figure_for_each_illumination_and_one_of_plain_above_norma
 }
 
 TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {
-  const fs::path out = temporary_ / "drawn";
-  fs::create_directories(out);
-  draw_figures(load({"a"}), out);
-  const auto files = read_files(out);
+  const ReportFiles files = draw_figures(load({"a"}));
   ASSERT_EQ(files.size(), 2U);
   EXPECT_TRUE(files.at("figure-pocket-ind.pdf").starts_with("%PDF"));
   for (const char* word : {"G0 MS", "G2 GS", "100k", "C10"})
     EXPECT_NE(files.at("figure-pocket-ind.svg").find(word), std::string::npos) << word;
+}
+
+// Each report as the program writes it, one after another into one folder.
+TEST_F(Folders, reported_again_with_fewer_figures_or_studies_leave_no_file_of_the_report_before) {
+  const auto report = [&](const std::vector<fs::path>& folders, Rule rule, bool plot, const fs::path& out) {
+    AnalyzeParams params = make_params(folders, out);
+    params.rule = rule;
+    params.plot = plot;
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(run_report(params), kExitOk);
+    return testing::internal::GetCapturedStdout();
+  };
+  const fs::path a = temporary_ / "a", n = temporary_ / "n", out = temporary_ / "out";
+  report({a, n}, Rule::kPaper, true, out);
+  EXPECT_TRUE(is_file(out / "figure-normalisation-ind.pdf"));
+  EXPECT_TRUE(is_file(out / "graph-normalisation-G0-MR-ind.svg"));
+  report({a}, Rule::kIsotonic, true, out);
+  EXPECT_FALSE(is_file(out / "figure-normalisation-ind.pdf"));
+  EXPECT_FALSE(is_file(out / "graph-normalisation-G0-MR-ind.svg"));
+  EXPECT_TRUE(is_file(out / "figure-pocket-ind.svg"));
+  save_text(out / "notes.txt", "mine");
+  const std::string said = report({a}, Rule::kIsotonic, false, out);
+  EXPECT_NE(said.find("not of this report, left as found: notes.txt"), std::string::npos) << said;
+  fs::remove(out / "notes.txt");
+  report({a}, Rule::kIsotonic, false, temporary_ / "fresh");
+  EXPECT_EQ(read_files(out), read_files(temporary_ / "fresh"));
 }
 
 TEST_F(Folders, with_a_session_that_was_aborted_leave_it_out_and_say_so) {

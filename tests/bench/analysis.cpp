@@ -86,7 +86,7 @@ void measure(const std::vector<StudyFolder>& folders, const fs::path& out) {
   for (const StudyFolder& folder : folders) params.study_folders.push_back(folder.root);
   std::vector<Report> reports;
   const Cost load = time_both([&] { reports = load_reports(params); });
-  const Cost write = time_both([&] { write_report(reports, out); });
+  const Cost write = time_both([&] { save_report(make_report_files(reports), out); });
   const Report& report = reports.front();
   const auto& answers = report.evidence.artifact.answers;
   const Cost count = time_both([&] { tally_answers(answers, report.study); });
