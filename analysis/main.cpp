@@ -18,6 +18,7 @@ struct Options {
   std::string prediction;
   bool no_plot = false;
   bool no_verify = false;
+  bool force = false;
 };
 
 void add_options(CLI::App* command, Options& options) {
@@ -36,6 +37,7 @@ equilux::AnalyzeParams make_params(const Options& options) {
   params.rule = equilux::parse_rule(options.rule, "--rule");
   params.plot = !options.no_plot;
   params.verify = !options.no_verify;
+  params.force = options.force;
   if (!options.kind.empty()) params.kind = equilux::parse_kind(options.kind, "--kind");
   return params;
 }
@@ -76,6 +78,7 @@ void add_export(CLI::App& app, Options& options) {
   add_options(command, options);
   command->add_option("--out", options.out, "Folder of answers.csv")->required();
   command->add_flag("--no-verify", options.no_verify, "Take answers about pictures that do not verify too");
+  command->add_flag("--force", options.force, "Replace an earlier export");
   command->footer("Example:\n  equilux-analyze export studies/pocket --kind planted --out answers");
 }
 

@@ -13,6 +13,7 @@
 #include "analysis/report_tables.h"
 #include "analysis/tables.h"
 #include "analysis/window_choice.h"
+#include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
@@ -212,6 +213,24 @@ void print_study(const Report& report, bool alone) {
   }
 }
 
+// Made again the export has the same bytes: a file with others is something else.
+void check_can_save(const std::filesystem::path& path, const std::string& bytes) {
+  if (!path_exists(path)) return;
+  if (!is_file(path)) throw InputError(path.string(), "", "a file's name", "another kind's");
+  if (digest_file(path) != digest_text(bytes))
+    throw InputError(path.string(), "", "a free name or a file with the same bytes",
+                     "one with others; --force replaces an earlier export");
+}
+
+void save_answers(const std::map<std::string, std::string>& files, const std::filesystem::path& folder,
+                  bool force) {
+  for (const auto& [name, bytes] : files) {
+    if (!force) check_can_save(folder / name, bytes);
+  }
+  make_folder(folder);
+  for (const auto& [name, bytes] : files) save_text(folder / name, bytes);
+}
+
 // What no report wrote, or somebody changed since.
 std::string describe_others(const std::vector<std::string>& others) {
   if (others.empty()) return "";
@@ -268,9 +287,9 @@ int run_export(const AnalyzeParams& params) {
   cheap.uncertainty = {params.uncertainty.seed, 1, 1};
   const auto reports = load_reports(cheap);
   const ReportTable table{"answers.csv", make_answers_table(reports)};
-  make_folder(params.out);
-  save_text(params.out / table.file, format_csv(table.table));
-  save_text(params.out / "csv-metadata.json", format_json(make_csv_metadata({table})));
+  save_answers(
+      {{table.file, format_csv(table.table)}, {"csv-metadata.json", format_json(make_csv_metadata({table}))}},
+      params.out, params.force);
   fmt::print("{} answers: {}\n", table.table.rows.size(), (params.out / table.file).string());
   return kExitOk;
 }

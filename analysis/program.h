@@ -17,6 +17,7 @@ struct AnalyzeParams {
   Rule rule = Rule::kPaper;
   UncertaintyParams uncertainty;
   bool plot = true;    ///< draw figure-*.svg and figure-*.pdf by gnuplot
+  bool force = false;  ///< export may replace files that differ
   bool verify = true;  ///< refuse pictures that are not those recorded; false: warn in the report
 };
 
@@ -32,8 +33,8 @@ int run_prune(const AnalyzeParams& params);
 /// errors: InputError, StoreError
 int run_report(const AnalyzeParams& params);
 
-/// Writes answers.csv and its csv-metadata.json into a folder. Gives the exit code. errors: InputError,
-/// StoreError
+/// Writes answers.csv and its csv-metadata.json into a folder. Gives the exit code. errors: InputError, also,
+/// unless `params.force`, where one of them is there with other bytes: then nothing is written; StoreError
 int run_export(const AnalyzeParams& params);
 
 /// Simulates and prints how many subjects a study needs; `source` is a study file or folder, `out` a folder

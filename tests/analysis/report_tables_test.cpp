@@ -339,6 +339,30 @@ TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {
     EXPECT_NE(files.at("figure-pocket-ind.svg").find(word), std::string::npos) << word;
 }
 
+TEST_F(Folders, exported_again_replace_other_answers_only_when_told_to) {
+  const fs::path out = temporary_ / "answers";
+  const auto run = [&](const std::string& name, bool force) {
+    AnalyzeParams params = make_params({temporary_ / name}, out);
+    params.force = force;
+    EXPECT_EQ(run_export(params), kExitOk);
+    return read_files(out);
+  };
+  const auto refusal_of = [&](const std::string& name) {
+    return message_of<InputError>([&] { run(name, false); });
+  };
+  const auto first = run("a", false);
+  EXPECT_EQ(run("a", false), first);
+  EXPECT_EQ(refusal_of("b"), (out / "answers.csv").string() +
+                                 ": expected a free name or a file with the same bytes, got one with others; "
+                                 "--force replaces an earlier export");
+  EXPECT_EQ(read_files(out), first);
+  EXPECT_NE(run("b", true), first);
+  save_text(out / "csv-metadata.json", "{}");
+  const auto edited = read_files(out);
+  EXPECT_THAT(refusal_of("b"), testing::HasSubstr("csv-metadata.json: expected a free name"));
+  EXPECT_EQ(read_files(out), edited);
+}
+
 // Each report as the program writes it, one after another into one folder.
 TEST_F(Folders, reported_again_with_fewer_figures_or_studies_leave_no_file_of_the_report_before) {
   const auto report = [&](const std::vector<fs::path>& folders, Rule rule, bool plot, const fs::path& out) {
