@@ -188,7 +188,8 @@ std::string format_uncertainty(const Report& report) {
              "only the "
              "levels that were tested. Resampled: share of {} samples of subjects, drawn again with "
              "replacement in "
-             "each experiment, in which it exists; the cuts hold the middle 95&nbsp;% of them, and "
+             "each experiment, in which it exists; the cuts are 95&nbsp;% ranges over them, under paper "
+             "widened to those under isotonic, and "
              "&ldquo;none&rdquo; stands for no level. Turned by one: subjects without any one of whom the "
              "verdict "
              "is another. Seed {}. From <code>ee.csv</code> and <code>thresholds.csv</code>.</p>\n",
@@ -211,7 +212,8 @@ std::string format_trends(const Report& report) {
          "exact, two-"
          "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
          "trends. The "
-         "interval is of the effect, subjects drawn again. A trend holds iff p by Holm is 0.05 or less and "
+         "interval is the effect give or take the farther end of what subjects drawn again give. A trend "
+         "holds iff p by Holm is 0.05 or less and "
          "the "
          "interval leaves out 0. From <code>trends.csv</code>.</p>\n";
 }

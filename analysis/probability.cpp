@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
 
@@ -87,6 +89,13 @@ std::optional<Interval> find_jeffreys(const Count& count, double level) {
   if (count.k > 0) interval.lower = boost::math::quantile(posterior, tail);
   if (count.k < count.n) interval.upper = boost::math::quantile(posterior, 1 - tail);
   return interval;
+}
+
+double find_bootstrap_tail(std::size_t subjects, double level) {
+  EQ_CHECK(subjects > 1, subjects);
+  const auto n = static_cast<double>(subjects);
+  const double t = boost::math::quantile(boost::math::students_t(n - 1), (1 - level) / 2);
+  return boost::math::cdf(boost::math::normal(), t * std::sqrt(n / (n - 1)));
 }
 
 std::optional<double> eval_posterior_over(const Count& count, double proportion) {

@@ -42,6 +42,11 @@ std::optional<Interval> find_clopper_pearson(const Count& count, double level = 
 /// source: Brown, Cai and DasGupta 2001, section 3.2; R's qbeta(p, k + 1/2, n - k + 1/2).
 std::optional<Interval> find_jeffreys(const Count& count, double level = kIntervalLevel);
 
+/// Share of resamples beyond either end of a bootstrap interval over so many subjects. More are left inside
+/// than `level`, so that the interval of a mean is as wide as Student's: resamples of few vary too little.
+/// source: Hesterberg 2015, What Teachers Should Know About the Bootstrap, the expanded percentile interval.
+double find_bootstrap_tail(std::size_t subjects, double level = kIntervalLevel);
+
 /// Posterior probability, from the same prior, that the true proportion is at least `proportion`. Empty where
 /// n = 0: then nothing is known but the prior.
 std::optional<double> eval_posterior_over(const Count& count, double proportion = kFlagProportion);

@@ -135,7 +135,7 @@ Interval find_mean_interval(const std::vector<double>& values, std::uint64_t see
     mean /= static_cast<double>(values.size());
   }
   std::sort(means.begin(), means.end());
-  const auto tail = static_cast<std::size_t>((1 - kIntervalLevel) / 2 * kDraws);
+  const auto tail = static_cast<std::size_t>(find_bootstrap_tail(values.size()) * kDraws);
   return {means[tail], means[means.size() - 1 - tail]};
 }
 

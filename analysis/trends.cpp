@@ -157,17 +157,33 @@ Sums add_up(const Question& question, const std::function<Resampled(std::size_t)
   return sums;
 }
 
-std::optional<Interval> find_effect_interval(const Question& question,
-                                             const std::vector<Resampled>& resamples, std::size_t columns) {
+// EE of every resample, and of how many subjects they are. shape: resamples x columns, row by row.
+struct Redrawn {
+  std::vector<Resampled> verdicts;
+  std::size_t subjects = 0;
+};
+
+std::vector<double> find_effects(const Question& question, const Redrawn& redrawn, std::size_t columns) {
   std::vector<double> effects;
-  for (std::size_t row = 0; columns > 0 && row < resamples.size(); row += columns) {
-    const auto effect = add_up(question, [&](std::size_t place) { return resamples[row + place]; }).effect();
+  for (std::size_t row = 0; columns > 0 && row < redrawn.verdicts.size(); row += columns) {
+    const auto effect =
+        add_up(question, [&](std::size_t place) { return redrawn.verdicts[row + place]; }).effect();
     if (effect) effects.push_back(*effect);
   }
-  if (effects.empty()) return std::nullopt;
   std::sort(effects.begin(), effects.end());
-  const auto tail = static_cast<std::size_t>((1 - kIntervalLevel) / 2 * static_cast<double>(effects.size()));
-  return Interval{effects[tail], effects[effects.size() - 1 - tail]};
+  return effects;
+}
+
+// The estimate give or take the farther end of the resamples. Chance takes EE from a column more often than
+// it gives it, and in a resample once more: effects of resamples lie on one side of the estimate, which is
+// itself on that side of the truth.
+std::optional<Interval> find_effect_interval(double estimate, const std::vector<double>& effects,
+                                             std::size_t subjects) {
+  if (effects.empty()) return std::nullopt;
+  const auto tail =
+      static_cast<std::size_t>(find_bootstrap_tail(subjects) * static_cast<double>(effects.size()));
+  const double reach = std::max(estimate - effects[tail], effects[effects.size() - 1 - tail] - estimate);
+  return Interval{std::max(estimate - reach, -1.0), std::min(estimate + reach, 1.0)};
 }
 
 Resampled verdict_of(const ColumnFinding& finding, Rule rule) {
@@ -194,7 +210,7 @@ std::vector<Resampled> fill_dropped(std::vector<Resampled> resamples,
 }
 
 Trend answer(const Question& question, const std::vector<ColumnFinding>& findings, Rule rule,
-             const std::vector<Resampled>& resamples) {
+             const Redrawn& redrawn) {
   const Sums sums = add_up(question, [&](std::size_t place) { return verdict_of(findings[place], rule); });
   Trend trend;
   trend.factor = question.factor;
@@ -207,7 +223,8 @@ Trend answer(const Question& question, const std::vector<ColumnFinding>& finding
   trend.effect = sums.effect();
   if (sums.pairs == 0) return trend;
   trend.status = sums.gained + sums.lost == 0 ? TrendStatus::kFlat : TrendStatus::kTested;
-  trend.interval = find_effect_interval(question, resamples, findings.size());
+  trend.interval =
+      find_effect_interval(*trend.effect, find_effects(question, redrawn, findings.size()), redrawn.subjects);
   trend.p = eval_permutation_p(sums.strata, sums.gained - sums.lost);
   return trend;
 }
@@ -269,9 +286,10 @@ std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFindi
   ask_geometries(questions, study, findings);
   ask_materials(questions, study, findings);
   ask_illuminations(questions, study, findings);
-  const auto resamples = fill_dropped(uncertainty.resamples[static_cast<std::size_t>(rule)], findings, rule);
+  const Redrawn redrawn{fill_dropped(uncertainty.resamples[static_cast<std::size_t>(rule)], findings, rule),
+                        uncertainty.subjects};
   std::vector<Trend> trends;
-  for (const Question& question : questions) trends.push_back(answer(question, findings, rule, resamples));
+  for (const Question& question : questions) trends.push_back(answer(question, findings, rule, redrawn));
   adjust_trends(trends);
   return trends;
 }
@@ -306,7 +324,9 @@ Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule r
     rows.insert(rows.end(), earlier.data() + a, earlier.data() + a + from.findings.size());
     rows.insert(rows.end(), later.data() + b, later.data() + b + to.findings.size());
   }
-  std::vector<Trend> trends{answer(question, findings, rule, fill_dropped(std::move(rows), findings, rule))};
+  const Redrawn redrawn{fill_dropped(std::move(rows), findings, rule),
+                        std::min(from.uncertainty.subjects, to.uncertainty.subjects)};
+  std::vector<Trend> trends{answer(question, findings, rule, redrawn)};
   adjust_trends(trends);
   return trends.front();
 }

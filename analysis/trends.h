@@ -30,10 +30,11 @@ struct Trend {
   std::int64_t lost = 0;    ///< with EE at the earlier level only
   std::int64_t pairs = 0;
   std::optional<double> effect;  ///< (gained - lost) / pairs, -1 to 1: probability that EE is won less lost
-  std::optional<Interval> interval;  ///< of the effect, by the report's resamples of subjects
-  double p = 1;                      ///< two-sided, exact: EE permuted within strata
-  double p_holm = 1;                 ///< the same after Holm, over the trends of a report
-  bool holds = false;                ///< p_holm <= kTrendLevel and the interval leaves out 0
+  /// Of the effect: it, give or take the farther end of the report's resamples of subjects.
+  std::optional<Interval> interval;
+  double p = 1;        ///< two-sided, exact: EE permuted within strata
+  double p_holm = 1;   ///< the same after Holm, over the trends of a report
+  bool holds = false;  ///< p_holm <= kTrendLevel and the interval leaves out 0
 };
 
 inline constexpr double kTrendLevel = 0.05;

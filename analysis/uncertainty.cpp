@@ -63,10 +63,9 @@ class CutHistogram {
     for (std::size_t place = 0; place < counts_.size(); ++place) counts_[place] += other.counts_[place];
   }
 
-  std::optional<CutRange> find_range() const {
+  std::optional<CutRange> find_range(double tail) const {
     const std::int64_t total = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0});
     if (total == 0) return std::nullopt;
-    const double tail = (1 - kIntervalLevel) / 2;
     return CutRange{find_quantile(tail, total), find_quantile(1 - tail, total)};
   }
 
@@ -283,10 +282,25 @@ ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const Response
   return all;
 }
 
-void take_sums(ColumnUncertainty& result, const ResampleSums& sums, bool artifact, bool material) {
+// shape: a range for each rule, in order of kRules; one subject, drawn again, has none.
+std::array<std::optional<CutRange>, 2> find_ranges(const std::vector<CutHistogram>& cuts,
+                                                   std::size_t subjects, double level) {
+  if (subjects < 2) return {};
+  const double tail = find_bootstrap_tail(subjects, level);
+  std::optional<CutRange> paper = cuts[static_cast<std::size_t>(Rule::kPaper)].find_range(tail);
+  const auto isotonic = cuts[static_cast<std::size_t>(Rule::kIsotonic)].find_range(tail);
+  if (paper && isotonic)
+    paper = {std::min(paper->lower, isotonic->lower), std::max(paper->upper, isotonic->upper)};
+  return {paper, isotonic};
+}
+
+void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t artifact,
+               std::size_t material, double level) {
+  const auto artifact_cuts = find_ranges(sums.artifact, artifact, level);
+  const auto material_cuts = find_ranges(sums.material, material, level);
   for (std::size_t r = 0; r < result.by_rule.size(); ++r) {
-    if (artifact) result.by_rule[r].artifact_cut = sums.artifact[r].find_range();
-    if (material) result.by_rule[r].material_cut = sums.material[r].find_range();
+    result.by_rule[r].artifact_cut = artifact_cuts[r];
+    result.by_rule[r].material_cut = material_cuts[r];
     if (result.status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
   }
 }
@@ -364,10 +378,11 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
     if (columns[c].artifact.cells.empty() || columns[c].material.cells.empty()) continue;
     find_posterior(column, findings[c].column, columns[c], params);
   }
+  result.subjects = std::min(artifact.subjects(), material.subjects());
   ResampleRun run = resample_all(columns, artifact, material, params);
   if (artifact.subjects() > 1 && material.subjects() > 1) result.resamples = std::move(run.verdicts);
   for (std::size_t c = 0; c < columns.size(); ++c)
-    take_sums(result.columns[c], run.columns[c], artifact.subjects() > 1, material.subjects() > 1);
+    take_sums(result.columns[c], run.columns[c], artifact.subjects(), material.subjects(), params.level);
   find_flips(result.columns, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);
   find_flips(result.columns, columns, material, &ColumnSlots::material, &RuleUncertainty::material_flips);
   return result;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analysis/equivalence.h"
+#include "analysis/probability.h"
 #include "analysis/response_matrix.h"
 
 namespace equilux {
@@ -18,9 +19,12 @@ struct UncertaintyParams {
   int posterior_draws = 2000;  ///< Monte Carlo error of a share: at most 0.011
   int resamples = 2000;        ///< of subjects
   int threads = 0;  ///< at most; 0: as many as there are cores. What comes out does not depend on it.
+  double level = kIntervalLevel;  ///< of ranges of cuts
 };
 
-/// Where a cut lies in the middle kIntervalLevel of the resamples, as places on the scale of clamp levels.
+/// Where a cut lies in all resamples but find_bootstrap_tail at either end, as places on the scale of clamp
+/// levels. Under `paper` it is widened to the range under `isotonic`: of many levels near the cut that rule
+/// takes the outermost that chance flags, and of a resample's again, so that its own range drifts outwards.
 struct CutRange {
   int lower = 0;  ///< a clamp level; -1: no level, before the first one (material)
   int upper = 0;  ///< a clamp level; one more than the last: no level, beyond it (artifact)
@@ -62,6 +66,7 @@ struct Uncertainty {
   /// columns, row by row. Empty where an experiment has fewer than two subjects: drawn again, one says
   /// nothing.
   std::array<std::vector<Resampled>, 2> resamples;
+  std::size_t subjects = 0;  ///< of the experiment that has fewer
 };
 
 /// Subjects are drawn with replacement, in each experiment by itself;

@@ -199,5 +199,14 @@ TEST(CellStatistics, posterior_of_many_answers_is_sure_on_either_side_of_the_cut
   EXPECT_LT(*eval_posterior_over({1400, 2000}), 0.001);
 }
 
+// R: pnorm(qt(.025, n - 1) * sqrt(n / (n - 1)))
+TEST(Intervals, by_bootstrap_over_few_subjects_reach_as_far_as_students) {
+  EXPECT_NEAR(find_bootstrap_tail(12), 0.0107566149, 1e-9);
+  EXPECT_NEAR(find_bootstrap_tail(14), 0.0124832552, 1e-9);
+  EXPECT_NEAR(find_bootstrap_tail(1000000), 0.025, 1e-6);
+  EXPECT_LT(find_bootstrap_tail(2), 1e-6);
+  EXPECT_THROW(find_bootstrap_tail(1), CheckFailure);
+}
+
 }  // namespace
 }  // namespace equilux::tests

@@ -68,6 +68,7 @@ struct Case {
 // Verdicts by hand; the resamples all agree with them.
 Case make_case(const std::string& name, const std::function<bool(const Column&)>& exists) {
   Case made{load_protocol(name), {}, {}};
+  made.uncertainty.subjects = 12;
   for (const Column& column : enumerate_columns(made.study)) {
     ColumnFinding finding;
     finding.column = column;

@@ -1,5 +1,4 @@
-// Posterior draws against exact probabilities, resampling against its binomial distribution, coverage by
-// simulation.
+// Posterior draws against exact probabilities, resampling against its binomial distribution.
 #include "analysis/uncertainty.h"
 
 #include <algorithm>
@@ -325,35 +324,6 @@ TEST(ResponseMatrix, names_a_cell_that_a_session_answered_twice) {
 TEST(ResponseMatrix, of_nothing_is_empty) {
   EXPECT_EQ(make_response_matrix({}).subjects(), 0U);
   EXPECT_TRUE(count_weighted(make_response_matrix({}), {}).empty());
-}
-
-// A column whose true proportions cross the cut between C4 and C5 under both experiments' rules: how often
-// the range of its artifact cut holds the cut that the true proportions have. 300 studies of 12 subjects,
-// seeds 1..300; a percentile range over four levels is coarse and holds it more often than 95 %: at least
-// 0.95 less three standard errors.
-TEST(Uncertainty, ranges_of_cuts_hold_the_true_cut_at_their_level) {
-  Answered answered;
-  answered.study = load_protocol("pocket");
-  const Column column = enumerate_columns(answered.study).front();
-  const double truth[] = {0.95, 0.85, 0.6, 0.5};  // C3 .. C6: the cut is C5
-  constexpr int kStudies = 300;
-  int held = 0, mutant = 0;
-  for (int study = 1; study <= kStudies; ++study) {
-    answered.artifact.clear();
-    for (int subject = 0; subject < 12; ++subject) {
-      RandomStream random(static_cast<std::uint64_t>(study), "coverage", static_cast<std::uint64_t>(subject));
-      for (int i = 0; i < 4; ++i)
-        answered.artifact.push_back(
-            {subject + 1, subject, {column, 3 + i, false}, random.next_double() < truth[i]});
-    }
-    const auto range = answered.disturb({1, 1, 400}).front().under(Rule::kPaper).artifact_cut;
-    ASSERT_TRUE(range);
-    held += range->lower <= 5 && 5 <= range->upper ? 1 : 0;
-    mutant += range->lower <= 7 && 7 <= range->upper ? 1 : 0;
-  }
-  const double floor = 0.95 - 3 * std::sqrt(0.95 * 0.05 / kStudies);
-  EXPECT_GE(held, floor * kStudies);
-  EXPECT_LT(mutant, floor * kStudies) << "two levels off must not be held";
 }
 
 }  // namespace
