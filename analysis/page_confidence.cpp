@@ -134,7 +134,8 @@ std::vector<std::string> subject_fields(Experiment experiment, const SubjectFind
 std::string format_order(const OrderEffect& order, Experiment experiment) {
   const std::string name = format_experiment(experiment);
   if (!order.correct || !order.p)
-    return fmt::format("<li>{}: {} finished sessions, too few to say.</li>\n", name, order.subjects);
+    return fmt::format("<li>{}: {} subjects with a finished session, too few to say.</li>\n", name,
+                       order.subjects);
   return fmt::format(
       "<li>{}: from the first half of a session to the second the share of right answers of {} subjects "
       "changed by "

@@ -163,7 +163,8 @@ void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment
     if (count > 1)
       warnings.push_back(
           fmt::format("Participant {} finished the {} experiment {} times, in different "
-                      "logs; if that is one person, {} answers each pair more than once",
+                      "logs; if that is one person, {} answers each pair more than once. Intervals and "
+                      "leaving out take the sessions of a code for one subject, tallies do not",
                       participant, format_experiment(experiment), count, participant));
   }
 }

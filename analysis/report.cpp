@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <future>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -157,13 +158,21 @@ std::vector<Column> find_flipped_without_marked(const Report& report) {
   return flipped;
 }
 
+std::map<std::int64_t, std::string> find_codes(const ExperimentEvidence& evidence) {
+  std::map<std::int64_t, std::string> codes;
+  for (const SessionRow& row : evidence.finished) codes[row.id] = row.participant;
+  return codes;
+}
+
 void add_uncertainty(Report& report) {
   const ResponseMatrix artifact = make_response_matrix(report.evidence.artifact.answers);
   const ResponseMatrix material = make_response_matrix(report.evidence.material.answers);
   const Selection* selection = report.selection ? &*report.selection : nullptr;
   // Beside the rest, which is as long and reads other things.
   std::future<Uncertainty> uncertainty = std::async(std::launch::async, [&] {
-    return find_uncertainty(report.study, report.findings, artifact, material, report.params);
+    return find_uncertainty(report.study, report.findings,
+                            group_by_person(artifact, find_codes(report.evidence.artifact)),
+                            group_by_person(material, find_codes(report.evidence.material)), report.params);
   });
   report.artifact_cells = find_cell_statistics(report.artifact);
   report.material_cells = find_cell_statistics(report.material);

@@ -69,9 +69,32 @@ void sort_rows(ResponseMatrix& matrix) {
   const ResponseMatrix before = matrix;
   for (std::size_t s = 0; s < order.size(); ++s) {
     matrix.sessions[s] = before.sessions[order[s]];
+    matrix.persons[s] = before.persons[order[s]];
     std::copy_n(row(before.asked, order[s]), width, row(matrix.asked, s));
     std::copy_n(row(before.correct, order[s]), width, row(matrix.correct, s));
   }
+}
+
+// The row of a subject of this code, made where there is none.
+std::size_t find_row(ResponseMatrix& matrix, std::map<std::string, std::size_t>& rows,
+                     const std::string& code, std::int64_t session) {
+  const auto known = code.empty() ? rows.end() : rows.find(code);
+  if (known != rows.end()) {
+    matrix.sessions[known->second] = std::min(matrix.sessions[known->second], session);
+    return known->second;
+  }
+  const std::size_t row = matrix.subjects();
+  if (!code.empty()) rows[code] = row;
+  matrix.sessions.push_back(session);
+  matrix.persons.push_back(code);
+  matrix.asked.resize(matrix.subjects() * matrix.cells.size(), 0);
+  matrix.correct.resize(matrix.subjects() * matrix.cells.size(), 0);
+  return row;
+}
+
+void add_to(std::uint8_t& sum, std::uint8_t more) {
+  EQ_CHECK(sum + more <= 255, sum, more);
+  sum = static_cast<std::uint8_t>(sum + more);
 }
 
 }  // namespace
@@ -87,9 +110,29 @@ ResponseMatrix make_response_matrix(const std::vector<AnswerRow>& answers) {
       matrix.sessions.push_back(answer.session);
   }
   sort_once(matrix.sessions);
+  matrix.persons.resize(matrix.subjects());
   fill(matrix, answers, cell_of_answer);
   sort_rows(matrix);
   return matrix;
+}
+
+ResponseMatrix group_by_person(const ResponseMatrix& sessions,
+                               const std::map<std::int64_t, std::string>& codes) {
+  const std::size_t width = sessions.cells.size();
+  ResponseMatrix grouped;
+  grouped.cells = sessions.cells;
+  std::map<std::string, std::size_t> rows;
+  for (std::size_t s = 0; s < sessions.subjects(); ++s) {
+    const auto code = codes.find(sessions.sessions[s]);
+    const std::size_t row =
+        find_row(grouped, rows, code == codes.end() ? "" : code->second, sessions.sessions[s]);
+    for (std::size_t c = 0; c < width; ++c) {
+      add_to(grouped.asked[row * width + c], sessions.asked[s * width + c]);
+      add_to(grouped.correct[row * width + c], sessions.correct[s * width + c]);
+    }
+  }
+  sort_rows(grouped);
+  return grouped;
 }
 
 std::vector<Count> count_weighted(const ResponseMatrix& matrix, const std::vector<std::uint32_t>& weights) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "analysis/tally.h"
@@ -11,17 +13,25 @@ namespace equilux {
 /// Subjects stand in the order of their answers' content, so that the matrix does not depend on the order of
 /// rows, of subjects or of files, nor on what subjects are called.
 struct ResponseMatrix {
-  std::vector<Cell> cells;             ///< tested ones, sorted
-  std::vector<std::int64_t> sessions;  ///< AnswerRow::session of each subject
-  /// shape: subjects x cells, row by row. 1 where the subject was asked, and where it was correct.
+  std::vector<Cell> cells;  ///< tested ones, sorted
+  std::vector<std::int64_t>
+      sessions;                      ///< AnswerRow::session of each subject; of a person's several the first
+  std::vector<std::string> persons;  ///< code of each subject; empty where it is not known
+  /// shape: subjects x cells, row by row. How often the subject was asked, and how often it was correct: 0 or
+  /// 1 in a session.
   std::vector<std::uint8_t> asked;
   std::vector<std::uint8_t> correct;
 
   std::size_t subjects() const { return sessions.size(); }
 };
 
-/// errors: InputError for a cell that one session answered twice.
+/// A subject for each session. errors: InputError for a cell that one session answered twice.
 ResponseMatrix make_response_matrix(const std::vector<AnswerRow>& answers);
+
+/// A subject for each person: sessions of one code, as pooled logs may have them, are added up, since they
+/// are not independent. `codes` names sessions; one without a code is a person of its own.
+ResponseMatrix group_by_person(const ResponseMatrix& sessions,
+                               const std::map<std::int64_t, std::string>& codes);
 
 /// Counts where each subject counts `weights` times. shape: one for each cell.
 std::vector<Count> count_weighted(const ResponseMatrix& matrix, const std::vector<std::uint32_t>& weights);

@@ -83,20 +83,31 @@ std::vector<SubjectMark> find_marks(const SubjectFinding& finding, const std::op
   return marks;
 }
 
-std::vector<double> find_differences(const std::vector<SessionSummary>& summaries) {
-  std::vector<double> differences;
-  for (const SessionSummary& summary : summaries) {
-    const Count &first = summary.first_half, &second = summary.second_half;
-    if (!summary.complete || first.n == 0 || second.n == 0) continue;
-    differences.push_back(static_cast<double>(second.k) / static_cast<double>(second.n) -
-                          static_cast<double>(first.k) / static_cast<double>(first.n));
-  }
-  std::sort(differences.begin(), differences.end());
-  return differences;
+// Second half less first half; empty where one of them has no answers.
+std::optional<double> find_difference(const SessionSummary& summary) {
+  const Count &first = summary.first_half, &second = summary.second_half;
+  if (!summary.complete || first.n == 0 || second.n == 0) return std::nullopt;
+  return static_cast<double>(second.k) / static_cast<double>(second.n) -
+         static_cast<double>(first.k) / static_cast<double>(first.n);
 }
 
 double sum_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+// One for each person: the mean over sessions of one code. A session without a code is a person's own.
+std::vector<double> find_differences(const std::vector<SessionSummary>& summaries) {
+  std::map<std::string, std::vector<double>> by_code;
+  std::vector<double> differences;
+  for (const SessionSummary& summary : summaries) {
+    const auto difference = find_difference(summary);
+    if (!difference) continue;
+    (summary.participant.empty() ? differences : by_code[summary.participant]).push_back(*difference);
+  }
+  for (const auto& [code, values] : by_code)
+    differences.push_back(sum_of(values) / static_cast<double>(values.size()));
+  std::sort(differences.begin(), differences.end());
+  return differences;
 }
 
 double sum_flipped(std::span<const double> values, std::uint64_t signs) {

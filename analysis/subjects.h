@@ -58,7 +58,7 @@ struct SubjectFinding {
 std::vector<SubjectFinding> find_subjects(const std::vector<SessionSummary>& summaries,
                                           const ResponseMatrix& matrix);
 
-/// Second half less first half, over finished sessions.
+/// Second half less first half, over persons with a finished session; of one with several their mean.
 struct OrderEffect {
   std::size_t subjects = 0;
   std::optional<double> correct;     ///< mean difference of proportions correct

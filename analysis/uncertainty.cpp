@@ -5,6 +5,7 @@
 #include <boost/random/beta_distribution.hpp>
 #include <cmath>
 #include <future>
+#include <map>
 #include <numeric>
 #include <thread>
 #include <utility>
@@ -320,25 +321,71 @@ bool is_exists(const ColumnSlots& column, Rule rule) {
   return is_any_equivalent(thresholds.artifact, thresholds.material);
 }
 
-// Leaves each subject of one experiment out in turn; `slots` is that experiment's part of a column.
+// The rows of a person in the two matrices.
+struct Person {
+  std::optional<std::size_t> artifact, material;
+};
+
+std::vector<Person> pair_persons(const ResponseMatrix& artifact, const ResponseMatrix& material) {
+  std::map<std::string, std::size_t> by_code;
+  std::vector<Person> persons(artifact.subjects());
+  for (std::size_t s = 0; s < artifact.subjects(); ++s) {
+    persons[s].artifact = s;
+    if (!artifact.persons[s].empty()) by_code[artifact.persons[s]] = s;
+  }
+  for (std::size_t s = 0; s < material.subjects(); ++s) {
+    const auto same = by_code.find(material.persons[s]);
+    if (same == by_code.end()) {
+      persons.push_back({std::nullopt, s});
+    } else {
+      persons[same->second].material = s;
+    }
+  }
+  return persons;
+}
+
+// The counts of an experiment, and those without a subject.
+struct LeaveOut {
+  const ResponseMatrix& matrix;
+  std::vector<Count> all = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
+
+  std::vector<Count> without(const std::optional<std::size_t>& subject) const {
+    return subject ? subtract_subject(all, matrix, *subject) : all;
+  }
+};
+
+void note_flip(RuleUncertainty& under, const Person& person, const ResponseMatrix& artifact,
+               const ResponseMatrix& material) {
+  if (person.artifact) {
+    under.artifact_flips.push_back(artifact.sessions[*person.artifact]);
+  } else {
+    under.material_flips.push_back(material.sessions[*person.material]);
+  }
+}
+
+// Leaves each person out in turn, from both experiments.
 void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots> columns,
-                const ResponseMatrix& matrix, Slots ColumnSlots::*slots,
-                std::vector<std::int64_t> RuleUncertainty::*flips) {
-  const std::vector<Count> all = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
+                const ResponseMatrix& artifact, const ResponseMatrix& material) {
+  const LeaveOut seen{artifact}, changed{material};
   const std::vector<ColumnSlots> whole = columns;
-  for (std::size_t s = 0; s < matrix.subjects(); ++s) {
-    const std::vector<Count> counts = subtract_subject(all, matrix, s);
+  for (const Person& person : pair_persons(artifact, material)) {
+    const std::vector<Count> seen_without = seen.without(person.artifact),
+                             changed_without = changed.without(person.material);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (results[c].status != UncertaintyStatus::kEstimated) continue;
-      (columns[c].*slots).fill(counts);
+      columns[c].artifact.fill(seen_without);
+      columns[c].material.fill(changed_without);
       for (const Rule rule : kRules) {
         if (is_exists(columns[c], rule) == is_exists(whole[c], rule)) continue;
-        (results[c].by_rule[static_cast<std::size_t>(rule)].*flips).push_back(matrix.sessions[s]);
+        note_flip(results[c].by_rule[static_cast<std::size_t>(rule)], person, artifact, material);
       }
     }
   }
   for (ColumnUncertainty& result : results) {
-    for (RuleUncertainty& under : result.by_rule) std::sort((under.*flips).begin(), (under.*flips).end());
+    for (RuleUncertainty& under : result.by_rule) {
+      std::sort(under.artifact_flips.begin(), under.artifact_flips.end());
+      std::sort(under.material_flips.begin(), under.material_flips.end());
+    }
   }
 }
 
@@ -383,8 +430,7 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
   if (artifact.subjects() > 1 && material.subjects() > 1) result.resamples = std::move(run.verdicts);
   for (std::size_t c = 0; c < columns.size(); ++c)
     take_sums(result.columns[c], run.columns[c], artifact.subjects(), material.subjects(), params.level);
-  find_flips(result.columns, columns, artifact, &ColumnSlots::artifact, &RuleUncertainty::artifact_flips);
-  find_flips(result.columns, columns, material, &ColumnSlots::material, &RuleUncertainty::material_flips);
+  find_flips(result.columns, columns, artifact, material);
   return result;
 }
 

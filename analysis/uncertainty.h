@@ -45,9 +45,10 @@ struct RuleUncertainty {
   std::optional<double> bootstrap;  ///< share of resamples in which EE is true
   std::optional<CutRange> artifact_cut;
   std::optional<CutRange> material_cut;
-  /// Subjects without whom the verdict is another. shape: AnswerRow::session, sorted.
+  /// Persons without whom the verdict is another, by their artifact session. A person of both experiments is
+  /// left out of both. shape: ResponseMatrix::sessions, sorted.
   std::vector<std::int64_t> artifact_flips;
-  std::vector<std::int64_t> material_flips;
+  std::vector<std::int64_t> material_flips;  ///< of those who have a material session alone, by that
 };
 
 struct ColumnUncertainty {

@@ -106,6 +106,8 @@ TEST_F(Folders, of_one_study_are_pooled_and_others_stand_beside) {
   EXPECT_EQ(reports[1].evidence.artifact.finished.size(), 19U);
   EXPECT_EQ(reports[1].evidence.material.finished.size(), 19U);
   EXPECT_EQ(reports[1].artifact_subjects.sessions.size(), 19U);
+  EXPECT_EQ(reports[1].artifact_subjects.order.subjects, 12U) << "P0 to P6 sat in both logs";
+  EXPECT_EQ(reports[1].uncertainty.subjects, 12U);
   const auto a = load({"a"}), b = load({"b"});
   for (const auto& [cell, count] : reports[1].artifact) {
     EXPECT_EQ(count.n, a[0].artifact.at(cell).n + b[0].artifact.at(cell).n);

@@ -188,6 +188,16 @@ TEST(OrderEffect, of_eight_who_all_got_better_has_the_exact_p) {
   EXPECT_DOUBLE_EQ(*effect.speed, 0.5);
 }
 
+// P1 got better by 1 of 10 and worse by 3 of 10 in two sessions: as one subject, worse by 1.
+TEST(OrderEffect, takes_the_sessions_of_one_person_for_one_subject) {
+  std::vector<SessionSummary> summaries{with_halves(5, 6), with_halves(5, 2), with_halves(5, 8)};
+  summaries[0].participant = summaries[1].participant = "P1";
+  summaries[2].participant = "P2";
+  const OrderEffect effect = find_order_effect(summaries, 1);
+  EXPECT_EQ(effect.subjects, 2U);
+  EXPECT_NEAR(*effect.correct, 0.1, 1e-12);
+}
+
 // Beyond 16 subjects by draws: 20 of whom 10 got better and 10 worse, equally; every flip is as far as none.
 TEST(OrderEffect, of_many_who_cancel_out_has_p_one) {
   std::vector<SessionSummary> summaries;

@@ -5,6 +5,7 @@
 #include <boost/math/distributions/beta.hpp>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <map>
 
 #include "analysis/probability.h"
 #include "base/error.h"
@@ -226,6 +227,61 @@ TEST(Flips, are_the_subjects_without_whom_the_verdict_is_another) {
   const auto flips =
       make_two_cells(9, 12, 0, 14).disturb({1, 1, 1}).front().under(Rule::kPaper).artifact_flips;
   EXPECT_EQ(flips, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+}
+
+std::map<std::int64_t, std::string> make_codes(int sessions, int sessions_of_each) {
+  std::map<std::int64_t, std::string> codes;
+  for (int i = 0; i < sessions; ++i) codes[i + 1] = fmt::format("P{}", i / sessions_of_each);
+  return codes;
+}
+
+// 9 of 12 is flagged in both experiments; only without one who was right in both is neither.
+TEST(Flips, leave_a_person_out_of_both_experiments) {
+  const Answered answered = make_two_cells(9, 12, 9, 12);
+  const ResponseMatrix artifact = make_response_matrix(answered.artifact),
+                       material = make_response_matrix(answered.material);
+  const auto flips_of = [&](const ResponseMatrix& seen, const ResponseMatrix& changed) {
+    return find_uncertainty(answered.study, answered.find(), seen, changed, {1, 1, 1})
+        .columns.front()
+        .under(Rule::kPaper);
+  };
+  EXPECT_TRUE(flips_of(artifact, material).artifact_flips.empty()) << "strangers";
+  const auto codes = make_codes(12, 1);
+  const auto flips = flips_of(group_by_person(artifact, codes), group_by_person(material, codes));
+  EXPECT_EQ(flips.artifact_flips, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+  EXPECT_TRUE(flips.material_flips.empty()) << "each person once";
+}
+
+// Six persons of two sessions each, four of whom are right in both: 8 of 12. A resample is twice
+// Bin(6, 4 / 6), flagged from 5 on. Seed 4, 20,000 resamples, four standard errors, which tell it from
+// Bin(12, 8 / 12).
+TEST(Bootstrap, draws_persons_and_not_their_sessions) {
+  const Answered answered = make_two_cells(8, 12, 0, 14);
+  const auto share_of = [&](const ResponseMatrix& artifact) {
+    const Uncertainty found = find_uncertainty(answered.study, answered.find(), artifact,
+                                               make_response_matrix(answered.material), {4, 1, 20000});
+    return *found.columns.front().under(Rule::kPaper).bootstrap;
+  };
+  const auto is_near = [](double share, double expected) {
+    return std::abs(share - expected) <= 4 * std::sqrt(expected * (1 - expected) / 20000);
+  };
+  const double by_person = 1 - eval_upper_tail(5, 6, 4.0 / 6),
+               by_session = 1 - eval_upper_tail(9, 12, 8.0 / 12);
+  const ResponseMatrix sessions = make_response_matrix(answered.artifact);
+  EXPECT_TRUE(is_near(share_of(group_by_person(sessions, make_codes(12, 2))), by_person));
+  EXPECT_TRUE(is_near(share_of(sessions), by_session));
+  EXPECT_FALSE(is_near(by_session, by_person)) << "the test would tell nothing";
+}
+
+TEST(ResponseMatrix, adds_up_the_sessions_of_a_person_and_keeps_those_without_a_code_apart) {
+  const ResponseMatrix sessions = make_response_matrix(make_two_cells(3, 4, 0, 0).artifact);
+  const ResponseMatrix grouped = group_by_person(sessions, {{1, "P1"}, {2, ""}, {4, "P1"}});
+  EXPECT_EQ(grouped.subjects(), 3U);
+  const auto row = std::find(grouped.persons.begin(), grouped.persons.end(), "P1") - grouped.persons.begin();
+  EXPECT_EQ(grouped.sessions.at(static_cast<std::size_t>(row)), 1) << "of 1 and 4";
+  EXPECT_EQ(grouped.asked.at(static_cast<std::size_t>(row)), 2);
+  EXPECT_EQ(grouped.correct.at(static_cast<std::size_t>(row)), 1) << "the fourth was wrong";
+  EXPECT_EQ(count_weighted(grouped, {1, 1, 1}), count_weighted(sessions, {1, 1, 1, 1}));
 }
 
 TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite) {

@@ -28,9 +28,9 @@ TrialRow make_trial(int number, const Cell& cell, RandomStream& random) {
   return trial;
 }
 
-SessionRow make_session(const Study& study, int index) {
+SessionRow make_session(const Study& study, std::uint64_t seed, int index) {
   SessionRow row;
-  row.participant = fmt::format("P{}", index);
+  row.participant = fmt::format("P{}-{}", seed, index);
   row.subject_index = index;
   row.program_version = "bench";
   row.digests.study = study.digest;
@@ -48,7 +48,7 @@ void make_log(const StudyFolder& folder, const Study& study, const std::vector<C
     std::vector<TrialRow> trials;
     for (std::size_t i = 0; i < cells.size(); ++i)
       trials.push_back(make_trial(static_cast<int>(i), cells[i], random));
-    log.finish_session(log.append_session(make_session(study, subject), trials), 1);
+    log.finish_session(log.append_session(make_session(study, seed, subject), trials), 1);
   }
 }
 
