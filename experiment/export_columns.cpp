@@ -249,14 +249,16 @@ const std::vector<ExportColumn<EventRecord>>& event_columns() {
        [](Event e) { return text_of(std::int64_t{e.number}); }},
       {{"trial", "integer", "", "", "the pair; none for events of the whole session"},
        [](Event e) { return text_of(e.event.trial); }},
-      {{"kind", "text", "", "", "showing, answer, resume, abort, finish, and others of the window"},
+      {{"kind", "text", "", "",
+        "showing, answer, resume, abort, interrupt, finish, and others of the window"},
        [](Event e) { return e.event.kind; }},
       {{"time_ns", "integer", "ns", "monotonic",
         "when it happened; differences mean something within one sitting only"},
        [](Event e) { return text_of(e.event.time_ns); }},
       {{"recorded_utc", "text", "ISO 8601", "system", "when it was written"},
        [](Event e) { return e.event.recorded_utc; }},
-      {{"detail", "text", "", "", "of an abort the reason, of a resume JSON; else as the kind has it"},
+      {{"detail", "text", "", "",
+        "of an abort or interrupt the reason, of a resume JSON; else as the kind has it"},
        [](Event e) { return e.event.detail; }}};
   return columns;
 }

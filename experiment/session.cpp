@@ -159,10 +159,8 @@ Effects take(Session& session, const AnswerEvent& event) {
   return {RecordAnswer{answer, session.current, event.time_ns}, ShowTrial{session.current}};
 }
 
-bool is_over(Screen screen) { return screen == Screen::kThanks || screen == Screen::kAborted; }
-
 Effects take(Session& session, const PauseEvent& event) {
-  if (is_over(session.screen) || session.screen == Screen::kPause) return {};
+  if (is_over(session) || session.screen == Screen::kPause) return {};
   session.paused = session.screen;
   session.paused_at_ns = event.time_ns;
   session.screen = Screen::kPause;
@@ -171,10 +169,17 @@ Effects take(Session& session, const PauseEvent& event) {
 }
 
 Effects take(Session& session, const AbortEvent& event) {
-  if (is_over(session.screen)) return {};
+  if (is_over(session)) return {};
   session.screen = Screen::kAborted;
   session.onset_ns.reset();
   return {RecordAbort{event.reason, event.time_ns}};
+}
+
+Effects take(Session& session, const InterruptEvent& event) {
+  if (is_over(session)) return {};
+  session.screen = Screen::kInterrupted;
+  session.onset_ns.reset();
+  return {RecordNote{"interrupt", event.reason, event.time_ns}};
 }
 
 Effects take(Session&, const NoteEvent& event) {
@@ -182,6 +187,11 @@ Effects take(Session&, const NoteEvent& event) {
 }
 
 }  // namespace
+
+bool is_over(const Session& session) {
+  return session.screen == Screen::kThanks || session.screen == Screen::kAborted ||
+         session.screen == Screen::kInterrupted;
+}
 
 TrialProgress find_progress(const Session& session) {
   const int place = std::min(session.current, count_of(session) - 1);

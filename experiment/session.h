@@ -23,6 +23,7 @@ enum class Screen {
   kPause,         ///< stopped by the experimenter; ContinueEvent goes on, AbortEvent ends
   kThanks,        ///< all is answered and recorded
   kAborted,       ///< ended early; what was answered stays
+  kInterrupted,   ///< this sitting is over, against everybody's will; the session may go on in another
 };
 
 // Events. Times are of one monotonic clock. units: ns
@@ -50,14 +51,19 @@ struct AbortEvent {
   std::string reason;
   std::int64_t time_ns = 0;
 };
+/// The sitting cannot go on, though nobody decided that the session ends: its window was closed.
+struct InterruptEvent {
+  std::string reason;
+  std::int64_t time_ns = 0;
+};
 /// Something happened to the screen or the program: focus_lost, resized, dropped_frames, ...
 struct NoteEvent {
   std::string kind;
   std::string detail;
   std::int64_t time_ns = 0;
 };
-using SessionEvent =
-    std::variant<ContinueEvent, BackEvent, ShownEvent, AnswerEvent, PauseEvent, AbortEvent, NoteEvent>;
+using SessionEvent = std::variant<ContinueEvent, BackEvent, ShownEvent, AnswerEvent, PauseEvent, AbortEvent,
+                                  InterruptEvent, NoteEvent>;
 
 // Effects, to be carried out in order; each must be done before the next.
 /// Record that `trial` is about to be shown (first showing of the session, or again after an interruption).
@@ -126,6 +132,9 @@ TrialProgress find_progress(const Session& session);
 
 /// A session over this schedule, which may hold answers from before an interruption.
 Session make_session(Experiment experiment, std::vector<TrialRow> trials, const SessionRules& rules = {});
+
+/// Nothing more can happen in this sitting.
+bool is_over(const Session& session);
 
 /// Takes an event and says what must be done. An event that does not fit the screen changes nothing and gives
 /// no effects.

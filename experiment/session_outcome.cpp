@@ -37,6 +37,8 @@ SessionOutcome find_outcome(const SessionRow& row, const std::vector<TrialRow>& 
   } else if (reason) {
     summary.state = SessionState::kAborted;
     summary.abort_reason = *reason;
+  } else {
+    summary.interruption = find_interruption(events).value_or("");
   }
   return summary;
 }

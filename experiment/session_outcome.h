@@ -17,6 +17,7 @@ enum class SessionState {
 struct SessionOutcome {
   SessionState state = SessionState::kUnfinished;
   std::string abort_reason;  ///< empty unless aborted
+  std::string interruption;  ///< what broke off the last sitting; empty where that is not known
   int trials = 0;            ///< of all phases, as the next two
   int answered = 0;
   int too_fast = 0;

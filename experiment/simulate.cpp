@@ -37,7 +37,7 @@ class Sitting {
   }
 
   void run() {
-    while (!is_over()) {
+    while (!is_over(open_.session)) {
       if (open_.session.screen == Screen::kTrial) {
         answer_trial();
       } else {
@@ -48,10 +48,6 @@ class Sitting {
   }
 
  private:
-  bool is_over() const {
-    return open_.session.screen == Screen::kThanks || open_.session.screen == Screen::kAborted;
-  }
-
   void answer_trial() {
     const TrialRow& trial = open_.session.trials[static_cast<std::size_t>(open_.session.current)];
     const Side side = choose_planted_side(truth_, subject_, trial);

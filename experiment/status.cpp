@@ -24,15 +24,19 @@ std::string format_catch(const SessionOutcome& summary) {
                                      : fmt::format("{}/{}", summary.catch_right, summary.catch_answered);
 }
 
+std::string format_end(const SessionOutcome& summary) {
+  if (!summary.abort_reason.empty()) return fmt::format("  aborted: {}", summary.abort_reason);
+  if (!summary.interruption.empty()) return fmt::format("  interrupted: {}", summary.interruption);
+  return "";
+}
+
 std::string format_line(const TrialLog& log, const SessionRow& row) {
   const SessionOutcome summary = find_outcome(row, log.load_trials(row.id), log.load_events(row.id));
-  const std::string reason =
-      summary.abort_reason.empty() ? "" : fmt::format("  aborted: {}", summary.abort_reason);
   return fmt::format("{:7}  {:8}{:11}{:5}  {:20}{:11}{:>9}{:>10}{:>13}  {}{}\n", row.id,
                      format_kind(row.kind), format_experiment(row.experiment), row.subject_index,
                      row.participant, format_state(summary.state),
                      fmt::format("{}/{}", summary.answered, summary.trials), summary.too_fast,
-                     format_catch(summary), row.started_utc, reason);
+                     format_catch(summary), row.started_utc, format_end(summary));
 }
 
 std::string format_next(const TrialLog& log, const std::vector<SessionRow>& sessions, Experiment experiment) {

@@ -46,6 +46,16 @@ void check_can_begin(const Database& database, const SessionRow& row) {
   }
 }
 
+// The detail of the last event of this kind after which nothing went on.
+std::optional<std::string> find_last_end(const std::vector<EventRow>& events, const std::string& kind) {
+  std::optional<std::string> reason;
+  for (const EventRow& event : events) {
+    if (event.kind == kind) reason = event.detail;
+    if (event.kind == "resume" || event.kind == "showing" || event.kind == "answer") reason.reset();
+  }
+  return reason;
+}
+
 }  // namespace
 
 std::string format_phase(Phase phase) {
@@ -210,12 +220,11 @@ std::string TrialLog::load_setting(const std::string& name) const {
 }
 
 std::optional<std::string> find_abort_reason(const std::vector<EventRow>& events) {
-  std::optional<std::string> reason;
-  for (const EventRow& event : events) {
-    if (event.kind == "abort") reason = event.detail;
-    if (event.kind == "resume" || event.kind == "showing" || event.kind == "answer") reason.reset();
-  }
-  return reason;
+  return find_last_end(events, "abort");
+}
+
+std::optional<std::string> find_interruption(const std::vector<EventRow>& events) {
+  return find_last_end(events, "interrupt");
 }
 
 // The lines "KEY INDEX correct\n" in the order of their bytes, sorted by the first field and then by the

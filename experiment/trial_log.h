@@ -181,6 +181,10 @@ class TrialLog {
 /// Why a session was ended early, from its events; empty if it was not, or has gone on since.
 std::optional<std::string> find_abort_reason(const std::vector<EventRow>& events);
 
+/// What broke off the last sitting of a session that nobody ended, where the program could tell; empty if
+/// nothing did, or it has gone on since.
+std::optional<std::string> find_interruption(const std::vector<EventRow>& events);
+
 /// Digest of answers, sorted and canonical: independent of the order of sessions and of the database file.
 std::string digest_answers(const std::vector<AnswerRow>& answers);
 

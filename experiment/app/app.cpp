@@ -164,12 +164,28 @@ void print_latencies(std::vector<std::int64_t> latencies_ns) {
              at(.5), at(.99));
 }
 
+// By the protocol, which binds persons alone.
+std::string describe_way_on(const SessionInputs& inputs) {
+  const SessionProtocol& protocol = inputs.protocol;
+  if (inputs.kind == SubjectKind::kPerson && !protocol.may_resume)
+    return "the protocol lets nobody go on with it";
+  std::string text = "the same command with this code goes on with it";
+  if (inputs.kind == SubjectKind::kPerson && protocol.resume_within_hours)
+    text += fmt::format(", within {} hours of its last answer", *protocol.resume_within_hours);
+  return text;
+}
+
+std::string describe_end(const Session& session, const SessionInputs& inputs) {
+  if (session.screen == Screen::kThanks) return "is complete";
+  const char* end =
+      session.screen == Screen::kInterrupted ? "was interrupted: the window was closed" : "was ended early";
+  return fmt::format("{}; {}", end, describe_way_on(inputs));
+}
+
 void print_outcome(const Workplace& work, const Seat& seat) {
   const Session& session = seat.open.session;
   const std::string name = format_experiment(session.experiment), code = seat.open.row.participant;
-  fmt::print("{} session of {} {}:\n", name, code,
-             session.screen == Screen::kThanks ? "is complete"
-                                               : "was ended early; the same command goes on with it");
+  fmt::print("{} session of {} {}:\n", name, code, describe_end(session, work.inputs));
   for (const std::string& line : summarise(session, work.inputs.protocol, seat.notes))
     fmt::print("  {}\n", line);
   print_latencies(seat.latencies_ns);

@@ -89,7 +89,7 @@ void SessionWindow::run() {
     if (is_left_) return;
     if (const auto pause = input_.find_pause(read_clock_ns())) take(*pause);
     if (window_->is_closing()) {
-      take(AbortEvent{"the window was closed", read_clock_ns()});
+      take(InterruptEvent{"the window was closed", read_clock_ns()});
       return;
     }
   }
@@ -201,9 +201,7 @@ void SessionWindow::note_changes() {
   }
 }
 
-bool SessionWindow::is_over() const {
-  return session().screen == Screen::kThanks || session().screen == Screen::kAborted;
-}
+bool SessionWindow::is_over() const { return equilux::is_over(session()); }
 
 void SessionWindow::check_framebuffer() const {
   const Size size = window_->framebuffer();

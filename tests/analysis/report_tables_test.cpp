@@ -185,7 +185,8 @@ TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and
     log.finish_session(log.append_session(make_person(1, study, "other"), make_person_trials(study, 8)), 1);
     const auto ended = log.append_session(make_person(2, study, own), make_person_trials(study, 3));
     log.append_event(ended, "abort", 1, "felt ill");
-    log.append_session(make_person(3, study, own), make_person_trials(study, 3));
+    const auto interrupted = log.append_session(make_person(3, study, own), make_person_trials(study, 3));
+    log.append_event(interrupted, "interrupt", 1, "the window was closed");
     log.finish_session(log.append_session(make_person(4, study, own), make_person_trials(study, 8)), 1);
   }
   withdraw_participant(folder.responses(), "P4");

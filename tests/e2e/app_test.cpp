@@ -23,9 +23,10 @@ int count_showings(const StudyFolder& folder, std::int64_t session, int trial) {
                                           session, trial)));
 }
 
-std::string last_abort(const StudyFolder& folder) {
+// Of all events of this kind, in order.
+std::string load_details(const StudyFolder& folder, const std::string& kind) {
   return RawDatabase(folder.responses())
-      .value("SELECT detail FROM event WHERE kind = 'abort' ORDER BY id DESC LIMIT 1");
+      .value(fmt::format("SELECT group_concat(detail, '; ') FROM event WHERE kind = '{}'", kind));
 }
 
 void expect_answered(const std::vector<TrialRow>& trials, int first, int end) {
@@ -344,7 +345,7 @@ TEST_F(AppTest, EscapePausesOnlyWhenItIsHeldAndAnEndedSessionCanGoOn) {
     display.type_key("Return");
     EXPECT_EQ(session.program().wait(), 0);
     EXPECT_THAT(session.program().read_output(), HasSubstr("1 of 8 answers"));
-    EXPECT_EQ(last_abort(folder), "ended by the experimenter");
+    EXPECT_EQ(load_details(folder, "abort"), "ended by the experimenter");
   }
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
   session.wait_for_page("");
@@ -354,7 +355,9 @@ TEST_F(AppTest, EscapePausesOnlyWhenItIsHeldAndAnEndedSessionCanGoOn) {
   ASSERT_FALSE(HasFatalFailure());
   display.close_windows();
   EXPECT_EQ(session.program().wait(), 0);
-  EXPECT_EQ(last_abort(folder), "the window was closed");
+  EXPECT_THAT(session.program().read_output(), HasSubstr("was interrupted: the window was closed; the same"));
+  EXPECT_EQ(load_details(folder, "abort"), "ended by the experimenter") << "closing ends no session";
+  EXPECT_EQ(load_details(folder, "interrupt"), "the window was closed");
   EXPECT_EQ(session.count_answers(id), 1);
 }
 

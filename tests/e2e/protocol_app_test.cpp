@@ -142,6 +142,60 @@ TEST_F(ProtocolAppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
   EXPECT_THAT(session.program().read_output(), HasSubstr("resume: 1"));
 }
 
+// As a subject does by Alt-F4: nobody decided that the session ends, so F4 offers it.
+TEST_F(ProtocolAppTest, ASessionWhoseWindowWasClosedIsOfferedToGoOn) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  std::int64_t id = 0;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("space");
+    const auto trials = session.load_trials(id);
+    answer_all(session, trials, 0, 1);
+    session.wait_for_trial(trials[1]);
+    ASSERT_FALSE(HasFatalFailure());
+    display.close_windows();
+    EXPECT_EQ(session.program().wait(), 0);
+  }
+  WatchedSession session(display, folder, kSmallPlan, {folder.root.string()});
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F4");
+  display.type_key("Return");
+  session.wait_for_error("setup-after-close");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_TRUE(wait_until([&] { return count_resumes(folder, id) == 1; })) << session.program().read_output();
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  session.wait_for_trial(session.load_trials(id)[1]);
+  EXPECT_EQ(session.count_answers(id), 1);
+}
+
+TEST_F(ProtocolAppTest, AClosedSessionOfAProtocolThatRunsInOneGoStaysAsItIs) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  std::ofstream(folder.session())
+      << R"({"schema": "equilux-session", "schema_version": 1, "resume": {"allowed": false}})";
+  XDisplay display;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.close_windows();
+    EXPECT_EQ(session.program().wait(), 0);
+    EXPECT_THAT(session.program().read_output(), HasSubstr("the protocol lets nobody go on with it"));
+  }
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  EXPECT_EQ(session.program().wait(), 1);
+  EXPECT_THAT(session.program().read_output(),
+              HasSubstr("/resume: expected sessions that run in one go, got session 1 of P01"));
+}
+
 TEST_F(ProtocolAppTest, WhoDeclinesLeavesNoTrace) {
   const StudyFolder folder = make_study(kSmallPlan);
   write_protocol(folder);

@@ -138,15 +138,33 @@ TEST(Session, AbortsFromInstructionsAndTrials) {
   for (const bool begun : {false, true}) {
     Session session = start(2);
     if (begun) advance(session, ContinueEvent{0});
-    const auto effects = advance(session, AbortEvent{"window closed", 7});
+    const auto effects = advance(session, AbortEvent{"felt unwell", 7});
     ASSERT_EQ(effects.size(), 1u);
-    EXPECT_EQ(effect_at<RecordAbort>(effects, 0).reason, "window closed");
+    EXPECT_EQ(effect_at<RecordAbort>(effects, 0).reason, "felt unwell");
     EXPECT_EQ(effect_at<RecordAbort>(effects, 0).time_ns, 7);
     EXPECT_EQ(session.screen, Screen::kAborted);
   }
 }
 
-// Every event on the two screens that wait for none of them.
+// Wherever the window was closed: the trials stay as they are, and no end is recorded.
+TEST(Session, AnInterruptionIsNotedAsSuchFromAnyScreen) {
+  for (const int steps : {0, 1, 2, 3}) {
+    Session session = start(2);
+    if (steps > 0) advance(session, ContinueEvent{0});
+    if (steps > 1) show(session, 1);
+    if (steps > 2) advance(session, PauseEvent{2});
+    const auto effects = advance(session, InterruptEvent{"the window was closed", 7});
+    ASSERT_EQ(effects.size(), 1u) << steps;
+    EXPECT_EQ(effect_at<RecordNote>(effects, 0).kind, "interrupt");
+    EXPECT_EQ(effect_at<RecordNote>(effects, 0).detail, "the window was closed");
+    EXPECT_EQ(effect_at<RecordNote>(effects, 0).time_ns, 7);
+    EXPECT_EQ(session.screen, Screen::kInterrupted);
+    EXPECT_TRUE(is_over(session));
+    EXPECT_EQ(session.current, 0);
+  }
+}
+
+// Every event on the screens that wait for none of them.
 TEST(Session, TakesNothingAfterItsEnd) {
   Session finished = start(1);
   advance(finished, ContinueEvent{0});
@@ -154,11 +172,13 @@ TEST(Session, TakesNothingAfterItsEnd) {
   advance(finished, AnswerEvent{Side::kLeft, 2});
   Session aborted = start(1);
   advance(aborted, AbortEvent{"", 0});
-  for (Session* session : {&finished, &aborted}) {
+  Session interrupted = start(1);
+  advance(interrupted, InterruptEvent{"", 0});
+  for (Session* session : {&finished, &aborted, &interrupted}) {
     const Screen screen = session->screen;
-    for (const SessionEvent& event :
-         std::initializer_list<SessionEvent>{ContinueEvent{3}, ShownEvent{0, 3}, ShownEvent{1, 3},
-                                             AnswerEvent{Side::kRight, 4}, AbortEvent{"", 5}}) {
+    for (const SessionEvent& event : std::initializer_list<SessionEvent>{
+             ContinueEvent{3}, ShownEvent{0, 3}, ShownEvent{1, 3}, AnswerEvent{Side::kRight, 4},
+             PauseEvent{5}, AbortEvent{"", 5}, InterruptEvent{"", 5}}) {
       EXPECT_TRUE(advance(*session, event).empty());
       EXPECT_EQ(session->screen, screen);
     }

@@ -29,11 +29,15 @@ TEST_F(Status, TellsCompleteUnfinishedAndAbortedSessionsApart) {
                       1);
     log.append_event(log.append_session(make_fake_session(2), make_fake_trials(3)), "abort", 5,
                      "felt unwell");
+    log.append_event(log.append_session(make_fake_session(3), make_fake_trials(3)), "interrupt", 5,
+                     "the window was closed");
   }
   const std::string status = format_status(folder_);
   EXPECT_THAT(status, ContainsRegex("person +artifact +0 +P0 +complete +3/3"));
   EXPECT_THAT(status, ContainsRegex("person +artifact +1 +P1 +unfinished +1/3"));
   EXPECT_THAT(status, ContainsRegex("person +artifact +2 +P2 +aborted +0/3.*aborted: felt unwell"));
+  EXPECT_THAT(status,
+              ContainsRegex("person +artifact +3 +P3 +unfinished +0/3.*interrupted: the window was closed"));
 }
 
 TEST_F(Status, CountsTooFastAnswersAndCatchTrials) {
@@ -72,6 +76,21 @@ TEST(SessionOutcome, AnAbortCountsUntilTheSessionGoesOn) {
   EXPECT_EQ(state({"abort", "focus-lost"}), SessionState::kAborted) << "of the window, and not of going on";
   EXPECT_EQ(state({"abort", "resume"}), SessionState::kUnfinished);
   EXPECT_EQ(state({"abort", "resume", "showing", "abort"}), SessionState::kAborted);
+  EXPECT_EQ(state({"showing", "interrupt"}), SessionState::kUnfinished) << "nobody ended it";
+  EXPECT_EQ(state({"abort", "resume", "interrupt"}), SessionState::kUnfinished);
+  EXPECT_EQ(state({"interrupt", "resume", "abort"}), SessionState::kAborted);
+}
+
+TEST(SessionOutcome, TellsWhatBrokeOffTheLastSittingUntilTheSessionGoesOn) {
+  const auto interruption = [](const std::vector<std::string>& kinds) {
+    std::vector<EventRow> events;
+    for (const std::string& kind : kinds) events.push_back({std::nullopt, kind, 0, "", "why " + kind});
+    return find_outcome(SessionRow{}, {}, events).interruption;
+  };
+  EXPECT_EQ(interruption({"showing"}), "");
+  EXPECT_EQ(interruption({"showing", "interrupt"}), "why interrupt");
+  EXPECT_EQ(interruption({"interrupt", "resume"}), "");
+  EXPECT_EQ(interruption({"interrupt", "resume", "interrupt"}), "why interrupt");
 }
 
 }  // namespace
