@@ -257,17 +257,30 @@ bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
   return page.press(button);
 }
 
+std::string describe_misfit(Size framebuffer, Size wanted) {
+  return fmt::format(
+      "The screen or window is now {} x {} pixels; this sitting began with {} x {}. Pictures are "
+      "never scaled, cut off or moved: give it that size again (video mode, monitor, window manager), "
+      "and the session can go on here. Or close the window and start the session again with the same "
+      "participant code. Nothing is lost.",
+      framebuffer.width, framebuffer.height, wanted.width, wanted.height);
+}
+
 std::string read_reason(const PauseForm& form) {
   const std::string reason = read_text(form.reason);
   return reason.empty() ? "ended by the experimenter" : reason;
 }
 
-PauseChoice draw_pause(const Gui& gui, Size framebuffer, const TrialProgress& progress, PauseForm& form) {
+PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form) {
   const Page page(gui, framebuffer, "Paused, for the experimenter");
   page.say(fmt::format(
       "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
-      progress.answered, progress.count));
-  if (page.press("Go on (F1)")) return PauseChoice::kGoOn;
+      view.progress.answered, view.progress.count));
+  if (framebuffer != view.wanted) {
+    page.warn(describe_misfit(framebuffer, view.wanted));
+  } else if (page.press("Go on (F1)")) {
+    return PauseChoice::kGoOn;
+  }
   page.leave_space();
   draw_field("Reason, if the session is to end here", form.reason.data(), form.reason.size(), false);
   if (page.press("End the session (F2)")) return PauseChoice::kEnd;

@@ -96,6 +96,14 @@ struct PauseForm {
 
 std::string read_reason(const PauseForm& form);
 
-PauseChoice draw_pause(const Gui& gui, Size framebuffer, const TrialProgress& progress, PauseForm& form);
+/// Why a paused session cannot go on in this framebuffer, and what to do.
+std::string describe_misfit(Size framebuffer, Size wanted);
+
+struct PauseView {
+  TrialProgress progress;
+  Size wanted;  ///< the framebuffer for which the pictures were laid out; in another none can go on
+};
+
+PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form);
 
 }  // namespace equilux

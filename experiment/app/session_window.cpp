@@ -116,6 +116,8 @@ void SessionWindow::carry_out(const SessionEffect& effect) {
 }
 
 void SessionWindow::show(int trial) {
+  pause_unless_it_fits();
+  if (session().screen != Screen::kTrial) return;
   load_ahead(trial);
   shown_ = std::move(next_);
   next_.reset();
@@ -190,7 +192,7 @@ void SessionWindow::read_input() {
 }
 
 void SessionWindow::read_pause_key(const InputEvent& event) {
-  if (is_press(event, Key::kF1)) take(ContinueEvent{event.time_ns});
+  if (is_press(event, Key::kF1) && fits()) take(ContinueEvent{event.time_ns});
   if (is_press(event, Key::kF2)) take(AbortEvent{read_reason(pause_), event.time_ns});
 }
 
@@ -203,16 +205,18 @@ void SessionWindow::note_changes() {
 
 bool SessionWindow::is_over() const { return equilux::is_over(session()); }
 
-void SessionWindow::check_framebuffer() const {
-  const Size size = window_->framebuffer();
-  if (size == work_->layout.framebuffer) return;
-  throw InputError("screen", "",
-                   fmt::format("the framebuffer with which the session began, {} x {}",
-                               work_->layout.framebuffer.width, work_->layout.framebuffer.height),
-                   fmt::format("{} x {}", size.width, size.height));
+bool SessionWindow::fits() const { return window_->framebuffer() == work_->layout.framebuffer; }
+
+// No picture is scaled, cut off or moved: in a window of another size the session waits for the experimenter.
+void SessionWindow::pause_unless_it_fits() {
+  if (fits()) return;
+  window_->wait(0);  // what happened is in the log before what follows from it
+  note_changes();
+  take(PauseEvent{read_clock_ns()});
 }
 
 void SessionWindow::draw() {
+  pause_unless_it_fits();
   switch (session().screen) {
     case Screen::kTrial:
       if (window_->take_damage()) draw_trial();
@@ -229,7 +233,6 @@ void SessionWindow::draw() {
 }
 
 void SessionWindow::draw_pair(const std::string& line, bool shows_progress) {
-  check_framebuffer();
   window_->clear();
   gui_->begin_frame();
   draw_line(*gui_, work_->layout.question, line);
@@ -253,7 +256,6 @@ void SessionWindow::draw_feedback() {
 }
 
 void SessionWindow::draw_familiar() {
-  check_framebuffer();
   const int number = session().page;
   const FamiliarPage& page = work_->inputs.familiar_pages.at(static_cast<std::size_t>(number));
   if (!page_ || page_->number != number)
@@ -326,7 +328,8 @@ bool SessionWindow::lay_out_page() {
 void SessionWindow::draw_pause_page() {
   window_->clear();
   gui_->begin_frame();
-  const PauseChoice choice = draw_pause(*gui_, window_->framebuffer(), find_progress(session()), pause_);
+  const PauseView view{find_progress(session()), work_->layout.framebuffer};
+  const PauseChoice choice = draw_pause(*gui_, window_->framebuffer(), view, pause_);
   gui_->end_frame();
   window_->swap();
   if (choice == PauseChoice::kGoOn) take(ContinueEvent{read_clock_ns()});

@@ -61,7 +61,8 @@ class SessionWindow {
   void draw_pause_page();
   bool lay_out_page();
   bool lay_out_last_page() const;
-  void check_framebuffer() const;
+  bool fits() const;
+  void pause_unless_it_fits();
   bool is_over() const;
 
   AppWindow* window_;

@@ -26,6 +26,13 @@ std::vector<std::string> command_line(const std::vector<std::string>& arguments)
   return line;
 }
 
+std::map<std::string, std::string> show_on(const XDisplay& display,
+                                           std::map<std::string, std::string> environment) {
+  environment["DISPLAY"] = display.name();
+  environment["LIBGL_ALWAYS_SOFTWARE"] = "1";
+  return environment;
+}
+
 const std::uint8_t* pixel_of(const LdrImage& image, int x, int y) {
   return image.values.data() +
          (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) *
@@ -119,12 +126,13 @@ std::optional<std::string> find_difference(const LdrImage& screen, const StudyFo
 }
 
 WatchedSession::WatchedSession(XDisplay& display, const StudyFolder& folder, const ScreenPlan& plan,
-                               const std::vector<std::string>& arguments)
+                               const std::vector<std::string>& arguments,
+                               const std::map<std::string, std::string>& environment)
     : display_(&display),
       folder_(folder),
       plan_(plan),
       last_event_before_(find_last_event(folder)),
-      program_(command_line(arguments), {{"DISPLAY", display.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}}) {}
+      program_(command_line(arguments), show_on(display, environment)) {}
 
 void WatchedSession::keep(const std::string& name) const {
   const char* folder = std::getenv("EQUILUX_SCREENSHOTS");
@@ -193,6 +201,11 @@ bool WatchedSession::is_showing(const TrialRow& trial) const {
 bool WatchedSession::stays(const TrialRow& trial) const {
   std::this_thread::sleep_for(kLongHold);
   return is_showing(trial);
+}
+
+bool WatchedSession::stays_away(const TrialRow& trial) const {
+  std::this_thread::sleep_for(kLongHold);
+  return !is_showing(trial);
 }
 
 void WatchedSession::answer_by_key(Side side) { display_->type_key(side == Side::kLeft ? "Left" : "Right"); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,9 +36,10 @@ std::optional<std::string> find_difference(const LdrImage& screen, const StudyFo
 
 class WatchedSession {
  public:
-  /// Starts `equilux-session run` with these arguments.
+  /// Starts `equilux-session run` with these arguments, and this added to its environment.
   WatchedSession(XDisplay& display, const StudyFolder& folder, const ScreenPlan& plan,
-                 const std::vector<std::string>& arguments);
+                 const std::vector<std::string>& arguments,
+                 const std::map<std::string, std::string>& environment = {});
 
   ChildProcess& program() { return program_; }
 
@@ -50,9 +52,14 @@ class WatchedSession {
   /// Waits until the log has a session of this experiment, and gives its id.
   std::int64_t wait_for_session(Experiment experiment);
 
+  /// The screen as NAME.png, if EQUILUX_SCREENSHOTS names a folder.
+  void keep(const std::string& name) const;
+
   bool is_showing(const TrialRow& trial) const;
   /// Lets the program do what it should not, for a while; true if the trial is still shown then.
   bool stays(const TrialRow& trial) const;
+  /// Likewise; true if it is not shown then.
+  bool stays_away(const TrialRow& trial) const;
 
   void answer_by_key(Side side);
   void answer_by_click(Side side);
@@ -62,7 +69,6 @@ class WatchedSession {
 
  private:
   void wait_for(const std::string& name, const std::function<bool(const LdrImage&)>& is_wanted);
-  void keep(const std::string& name) const;
   /// Whether the log has a showing of this trial by this program: presses before it do not count.
   bool is_logged_as_shown(const TrialRow& trial) const;
 

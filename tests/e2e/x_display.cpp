@@ -8,6 +8,7 @@
 #include <X11/keysym.h>
 #include <fmt/format.h>
 #include <stdexcept>
+#include <vector>
 
 namespace equilux {
 
@@ -25,6 +26,19 @@ struct XDisplay::Connection {
   void send_key(KeyCode code, bool is_down) const {
     XTestFakeKeyEvent(display, code, is_down ? True : False, CurrentTime);
     XSync(display, False);
+  }
+
+  // Those at the top, of all programs.
+  std::vector<::Window> list_windows() const {
+    ::Window root = 0;
+    ::Window parent = 0;
+    ::Window* children = nullptr;
+    unsigned count = 0;
+    XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
+    std::vector<::Window> windows;
+    if (children) windows.assign(children, children + count);
+    if (children) XFree(children);
+    return windows;
   }
 
   ::Display* display;
@@ -94,21 +108,26 @@ void XDisplay::click(int x, int y) {
 void XDisplay::close_windows() {
   ::Display* display = connection_->display;
   const Atom close = XInternAtom(display, "WM_DELETE_WINDOW", False);
-  ::Window root = 0;
-  ::Window parent = 0;
-  ::Window* children = nullptr;
-  unsigned count = 0;
-  XQueryTree(display, DefaultRootWindow(display), &root, &parent, &children, &count);
-  for (unsigned i = 0; i < count; ++i) {
+  for (const ::Window window : connection_->list_windows()) {
     XEvent event{};
     event.xclient.type = ClientMessage;
-    event.xclient.window = children[i];
+    event.xclient.window = window;
     event.xclient.message_type = XInternAtom(display, "WM_PROTOCOLS", False);
     event.xclient.format = 32;
     event.xclient.data.l[0] = static_cast<long>(close);
-    XSendEvent(display, children[i], False, NoEventMask, &event);
+    XSendEvent(display, window, False, NoEventMask, &event);
   }
-  if (children) XFree(children);
+  XSync(display, False);
+}
+
+void XDisplay::resize_windows(int width, int height) {
+  ::Display* display = connection_->display;
+  for (const ::Window window : connection_->list_windows()) {
+    XWindowAttributes attributes{};
+    XGetWindowAttributes(display, window, &attributes);
+    if (attributes.map_state != IsViewable) continue;
+    XResizeWindow(display, window, static_cast<unsigned>(width), static_cast<unsigned>(height));
+  }
   XSync(display, False);
 }
 

@@ -35,6 +35,9 @@ class XDisplay {
   /// Asks every window to close, as the button of a window manager does.
   void close_windows();
 
+  /// Makes every window that can be seen another size, as a window manager does.
+  void resize_windows(int width, int height);
+
   LdrImage take_screenshot() const;
 
  private:

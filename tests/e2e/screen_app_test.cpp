@@ -1,0 +1,222 @@
+// What happens to the screen of a session: another size of the window, frames that come late, larger letters.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <map>
+
+#include "base/files.h"
+#include "tests/e2e/app_fixture.h"
+#include "tests/experiment/raw_database.h"
+
+namespace equilux {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class ScreenAppTest : public AppTest {
+ protected:
+  // Kinds and details of the events of these kinds, in order.
+  static std::vector<std::string> load_events(const StudyFolder& folder, const std::string& kinds) {
+    std::vector<std::string> events;
+    const auto rows = RawDatabase(folder.responses())
+                          .query("SELECT kind || ' ' || detail FROM event WHERE kind IN (" + kinds +
+                                 ") ORDER BY time_ns, id");
+    for (const auto& row : rows) events.push_back(row[0]);
+    return events;
+  }
+  static std::vector<std::string> load_changes(const StudyFolder& folder) {
+    return load_events(folder, "'resized', 'pause', 'continue', 'abort', 'interrupt'");
+  }
+  static void wait_for_changes(const StudyFolder& folder, std::size_t count) {
+    ASSERT_TRUE(wait_until([&] { return load_changes(folder).size() >= count; }))
+        << testing::PrintToString(load_changes(folder));
+  }
+  static int count_showings(const StudyFolder& folder, int trial) {
+    return std::stoi(
+        RawDatabase(folder.responses())
+            .value("SELECT count(*) FROM event WHERE kind = 'showing' AND trial = " + std::to_string(trial)));
+  }
+  // From the instructions to the pair before which `answered` were answered.
+  static std::vector<TrialRow> go_to_trial(XDisplay& display, WatchedSession& session, Experiment experiment,
+                                           int answered) {
+    const std::int64_t id = session.wait_for_session(experiment);
+    session.wait_for_page("");
+    if (testing::Test::HasFatalFailure()) return {};
+    const auto trials = session.load_trials(id);
+    display.type_key("space");
+    answer_all(session, trials, 0, answered);
+    if (testing::Test::HasFatalFailure()) return {};
+    session.wait_for_trial(trials[static_cast<std::size_t>(answered)]);
+    return trials;
+  }
+};
+
+// Too small for the pictures, then as large as it was.
+TEST_F(ScreenAppTest, AWindowThatBecomesTooSmallPausesUntilItHasItsSizeAgain) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const auto trials = go_to_trial(display, session, Experiment::kArtifact, 2);
+  ASSERT_FALSE(HasFatalFailure());
+  display.resize_windows(560, 400);
+  wait_for_changes(folder, 2);
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F1");
+  session.answer_by_key(Side::kLeft);
+  EXPECT_TRUE(session.stays_away(trials[2]));
+  session.keep("resized-too-small");
+  EXPECT_THAT(load_changes(folder), ElementsAre("resized 560 x 400", "pause "));
+  EXPECT_TRUE(session.program().is_running()) << session.program().read_output();
+
+  display.resize_windows(1280, 1024);
+  session.wait_for_page("resized-back");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F1");
+  session.wait_for_trial(trials[2]);
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(count_showings(folder, 2), 2);
+  answer_all(session, trials, 2, kSmallArtifactTrials);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(), AllOf(HasSubstr("is complete"), HasSubstr("resized: 2")));
+  EXPECT_THAT(load_changes(folder),
+              ElementsAre("resized 560 x 400", "pause ", "resized 1280 x 1024", "continue "));
+}
+
+// Where there is room enough the pictures would be at another place than before, and the monitor's mode may
+// be another, so that they are of another size: it waits just the same. It may go on as a new sitting.
+TEST_F(ScreenAppTest, AWindowOfAnotherSizeGoesOnInASittingOfItsOwn) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display(1400, 1100);
+  ScreenPlan plan = kSmallPlan;  // in the middle of the larger screen
+  for (ScreenPlace* place : {&plan.left, &plan.right, &plan.upper}) {
+    place->x += 60;
+    place->y += 38;
+  }
+  plan.question_top += 38;
+  plan.question_bottom += 38;
+  {
+    WatchedSession session(display, folder, plan, arguments_for(folder, "artifact"));
+    go_to_trial(display, session, Experiment::kArtifact, 1);
+    ASSERT_FALSE(HasFatalFailure());
+    display.resize_windows(1404, 1104);
+    session.wait_for_error("resized-larger");
+    ASSERT_FALSE(HasFatalFailure());
+    display.close_windows();
+    EXPECT_EQ(session.program().wait(), 0);
+    EXPECT_THAT(load_changes(folder),
+                ElementsAre("resized 1404 x 1104", "pause ", "interrupt the window was closed"));
+  }
+  XDisplay other;
+  WatchedSession session(other, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  other.type_key("space");
+  session.wait_for_trial(session.load_trials(id)[1]);
+}
+
+// On a page nothing is at a wrong place, but the next pair would be.
+TEST_F(ScreenAppTest, AResizeOnThePageBeforeThePairsPausesToo) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.resize_windows(1300, 1040);
+  session.wait_for_error("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  display.resize_windows(1280, 1024);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F1");
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(count_showings(folder, 0), 0);
+  display.type_key("space");
+  session.wait_for_trial(session.load_trials(id)[0]);
+}
+
+TEST_F(ScreenAppTest, APairThatComesLateIsNotedAndToldAtTheEnd) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  const std::filesystem::path slow = folder_.path() / "slow";
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"),
+                         {{"LD_PRELOAD", EQUILUX_SLOW_SWAP},
+                          {"EQUILUX_SLOW_WHILE", slow.string()},
+                          {"ASAN_OPTIONS", "detect_leaks=0:verify_asan_link_order=0"}});
+  const auto trials = go_to_trial(display, session, Experiment::kArtifact, 2);
+  ASSERT_FALSE(HasFatalFailure());
+  save_text(slow, "");
+  session.answer_by_key(choose_side(2));
+  session.wait_for_trial(trials[3]);
+  ASSERT_FALSE(HasFatalFailure());
+  std::filesystem::remove(slow);
+  answer_all(session, trials, 3, kSmallArtifactTrials);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F3");
+  session.wait_for_page("slow-summary");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  const auto late = load_events(folder, "'slow_frame'");  // others too, where the machine is busy
+  EXPECT_THAT(session.program().read_output(), HasSubstr(fmt::format("slow_frame: {}\n", late.size())));
+  const auto find_ms = [](const std::string& event) {
+    int trial = -1, ms = 0;
+    EXPECT_EQ(std::sscanf(event.c_str(), "slow_frame trial %d: %d ms", &trial, &ms), 2) << event;
+    return std::pair(trial, ms);
+  };
+  std::map<int, int> ms_by_trial;
+  for (const std::string& event : late) ms_by_trial.insert(find_ms(event));
+  EXPECT_GE(ms_by_trial[3], 120) << testing::PrintToString(late);
+}
+
+// Rows of the question's place on which something is written.
+int count_written_rows(const LdrImage& screen, const ScreenPlan& plan) {
+  int rows = 0;
+  for (int y = plan.question_top; y < plan.question_bottom; ++y) {
+    const auto* row =
+        screen.values.data() + static_cast<std::size_t>(3 * y) * static_cast<std::size_t>(screen.width);
+    rows += std::any_of(row, row + 3 * screen.width, [](std::uint8_t value) { return value < 40; }) ? 1 : 0;
+  }
+  return rows;
+}
+
+// Letters grow as far as there is room between the pictures, which stay where they are, to the pixel.
+TEST_F(ScreenAppTest, ATextScaleEnlargesTheQuestionAndMovesNoPicture) {
+  std::vector<int> rows;
+  for (const std::string scale : {"0.5", "1", "2", "3"}) {
+    const StudyFolder folder = make_small_study(folder_.path() / scale, 560, 420);
+    XDisplay display;
+    auto arguments = arguments_for(folder, "material");
+    arguments.insert(arguments.end(), {"--text-scale", scale});
+    WatchedSession session(display, folder, kPaperPlan, arguments);
+    const std::int64_t id = session.wait_for_session(Experiment::kMaterial);
+    session.wait_for_page("scale-" + scale + "-instructions");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("space");
+    session.wait_for_trial(session.load_trials(id)[0], "scale-" + scale + "-trial");
+    ASSERT_FALSE(HasFatalFailure());
+    rows.push_back(count_written_rows(display.take_screenshot(), kPaperPlan));
+    display.press_key("Escape");
+    session.wait_for_page("scale-" + scale + "-pause");
+    ASSERT_FALSE(HasFatalFailure());
+    display.release_key("Escape");
+  }
+  EXPECT_LT(rows[0], rows[1]) << testing::PrintToString(rows);
+  EXPECT_LT(rows[1], rows[2]) << testing::PrintToString(rows);
+  EXPECT_LE(rows[2], rows[3]) << testing::PrintToString(rows);
+  EXPECT_LE(rows[3], kPaperPlan.question_bottom - kPaperPlan.question_top);
+}
+
+}  // namespace
+}  // namespace equilux

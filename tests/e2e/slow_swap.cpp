@@ -1,0 +1,17 @@
+// Loaded before the window library into a program under test: while a file stands there, each frame comes
+// late.
+#include <chrono>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <thread>
+#include <unistd.h>
+
+struct GLFWwindow;
+
+extern "C" void glfwSwapBuffers(GLFWwindow* window) {
+  using Swap = void (*)(GLFWwindow*);
+  static const auto swap = reinterpret_cast<Swap>(::dlsym(RTLD_NEXT, "glfwSwapBuffers"));
+  const char* file = std::getenv("EQUILUX_SLOW_WHILE");
+  if (file && ::access(file, F_OK) == 0) std::this_thread::sleep_for(std::chrono::milliseconds(120));
+  swap(window);
+}
