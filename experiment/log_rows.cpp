@@ -13,6 +13,7 @@ namespace equilux {
 namespace {
 
 constexpr std::size_t kUsualTrials = 512;  // of a session: so that most lists of them never grow
+constexpr char kStationEnd = ':';          // what was exported at another station is STATION:PATH
 
 Side parse_side(std::string_view text, const std::string& source) {
   if (text != "left" && text != "right")
@@ -101,6 +102,13 @@ std::map<std::string, std::string> load_fields(const Database& database, std::in
   return fields;
 }
 
+// A path is absolute, so that no station is mistaken for the beginning of one.
+ExportRow read_export(const std::string& place, const std::string& made_utc) {
+  const std::size_t end = place.starts_with('/') ? std::string::npos : place.find(kStationEnd);
+  if (end == std::string::npos) return {place, made_utc};
+  return {place.substr(end + 1), made_utc, place.substr(0, end)};
+}
+
 }  // namespace
 
 Tombstone make_tombstone(const std::string& code) {
@@ -184,7 +192,7 @@ std::vector<Tombstone> load_tombstones(const Database& database) {
 std::vector<ExportRow> load_exports(const Database& database) {
   Statement row(database, "SELECT path, max(made_utc) FROM export GROUP BY path ORDER BY path");
   std::vector<ExportRow> exports;
-  while (row.step()) exports.push_back({row.text(0), row.text(1)});
+  while (row.step()) exports.push_back(read_export(row.text(0), row.text(1)));
   return exports;
 }
 
@@ -230,6 +238,11 @@ void insert_event(const Database& database, std::int64_t session, const EventRow
 void insert_field(const Database& database, std::int64_t session, const std::string& name,
                   const std::string& value) {
   Statement(database, "INSERT INTO field (session, name, value) VALUES (?,?,?)", session, name, value).run();
+}
+
+void insert_export(const Database& database, const ExportRow& row) {
+  const std::string place = row.station.empty() ? row.path : row.station + kStationEnd + row.path;
+  Statement(database, "INSERT INTO export (path, made_utc) VALUES (?,?)", place, row.made_utc).run();
 }
 
 void insert_tombstone(const Database& database, const Tombstone& tombstone) {

@@ -32,7 +32,7 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
 std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t session, CellReader& cells);
 std::vector<EventRow> load_events(const Database& database, std::int64_t session);
 std::vector<Tombstone> load_tombstones(const Database& database);
-std::vector<ExportRow> load_exports(const Database& database);  ///< each path once, sorted
+std::vector<ExportRow> load_exports(const Database& database);  ///< each path of a station once, sorted
 
 // Within the caller's transaction. errors: StoreError
 /// Participant, session and fields; `row.id` is ignored. Gives the session's id.
@@ -43,6 +43,8 @@ void insert_field(const Database& database, std::int64_t session, const std::str
                   const std::string& value);
 /// One that is there already is left as it is.
 void insert_tombstone(const Database& database, const Tombstone& tombstone);
+
+void insert_export(const Database& database, const ExportRow& row);
 
 std::string format_side(Side side);
 

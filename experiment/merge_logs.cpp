@@ -38,6 +38,7 @@ void carry_out(const Database& database, const MergePlan& plan) {
   Transaction transaction(database);
   for (const Tombstone& tombstone : plan.tombstones) insert_tombstone(database, tombstone);
   for (const std::string& code : plan.erased) erase_participant(database, code);
+  for (const ExportRow& row : plan.exports) insert_export(database, row);
   for (const LogSession& session : plan.replaced) {
     delete_session(database, session.row.uuid);
     insert_whole_session(database, session);
@@ -55,13 +56,14 @@ void finish_withdrawals(const fs::path& log, const Database& database) {
 }
 
 bool is_empty(const MergePlan& plan) {
-  return plan.added.empty() && plan.replaced.empty() && plan.tombstones.empty() && plan.erased.empty();
+  return plan.added.empty() && plan.replaced.empty() && plan.tombstones.empty() && plan.erased.empty() &&
+         plan.exports.empty();
 }
 
 }  // namespace
 
 LogContent load_content(const Database& database, const std::string& source) {
-  LogContent content{source, {}, load_tombstones(database)};
+  LogContent content{source, {}, load_tombstones(database), load_station(database), load_exports(database)};
   for (const SessionRow& row : load_sessions(database))
     content.sessions.push_back({row, load_trials(database, row.id), load_events(database, row.id)});
   return content;
@@ -102,9 +104,9 @@ MergePlan merge_logs(const fs::path& log, const std::vector<fs::path>& others,
 std::string format_merge(const MergePlan& plan) {
   std::string text = fmt::format(
       "sessions: {} added, {} further along than here, {} known already; withdrawals: {} taken over, {} "
-      "erased"
-      " here\n",
-      plan.added.size(), plan.replaced.size(), plan.kept, plan.tombstones.size(), plan.erased.size());
+      "erased here; exports: {} taken over\n",
+      plan.added.size(), plan.replaced.size(), plan.kept, plan.tombstones.size(), plan.erased.size(),
+      plan.exports.size());
   for (const std::string& remark : plan.remarks) text += fmt::format("remark: {}\n", remark);
   return text;
 }

@@ -22,6 +22,8 @@ struct LogContent {
   std::string source;  ///< for messages
   std::vector<LogSession> sessions;
   std::vector<Tombstone> tombstones;
+  std::string station = {};  ///< empty: of a log that is not there yet
+  std::vector<ExportRow> exports = {};
 };
 
 struct MergePlan {
@@ -30,6 +32,7 @@ struct MergePlan {
   int kept = 0;                        ///< that ours has, as far along or further
   std::vector<Tombstone> tombstones;   ///< that ours has not
   std::vector<std::string> erased;     ///< codes of ours that withdrew at another station
+  std::vector<ExportRow> exports;      ///< of which ours does not know
   std::vector<std::string> remarks;    ///< on balance; no hindrance
   std::vector<std::string> conflicts;  ///< with any of them nothing may be written
 };

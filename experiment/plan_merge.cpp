@@ -51,7 +51,8 @@ struct Held {
 
 class Planner {
  public:
-  Planner(const LogContent& ours, const std::string& study_digest) : study_digest_(study_digest) {
+  Planner(const LogContent& ours, const std::string& study_digest)
+      : study_digest_(study_digest), station_(ours.station), exports_(ours.exports) {
     tombstones_ = ours.tombstones;
     for (const LogSession& session : ours.sessions) held_.push_back({session, ours.source});
   }
@@ -61,6 +62,20 @@ class Planner {
       if (std::find(tombstones_.begin(), tombstones_.end(), tombstone) != tombstones_.end()) continue;
       tombstones_.push_back(tombstone);
       plan_.tombstones.push_back(tombstone);
+    }
+  }
+
+  // What somebody withdraws from here may have been exported there.
+  void take_exports(const LogContent& log) {
+    for (ExportRow row : log.exports) {
+      if (row.station.empty()) row.station = log.station;
+      if (row.station == station_) row.station.clear();
+      const bool is_known = std::any_of(exports_.begin(), exports_.end(), [&](const ExportRow& known) {
+        return known.station == row.station && known.path == row.path && known.made_utc >= row.made_utc;
+      });
+      if (is_known) continue;
+      exports_.push_back(row);
+      plan_.exports.push_back(row);
     }
   }
 
@@ -190,6 +205,8 @@ class Planner {
   }
 
   std::string study_digest_;
+  std::string station_;  // ours
+  std::vector<ExportRow> exports_;
   std::vector<Held> held_;
   std::vector<Tombstone> tombstones_;
   MergePlan plan_;
@@ -200,7 +217,10 @@ class Planner {
 MergePlan plan_merge(const LogContent& ours, const std::vector<LogContent>& theirs,
                      const std::string& study_digest) {
   Planner planner(ours, study_digest);
-  for (const LogContent& log : theirs) planner.take_tombstones(log);
+  for (const LogContent& log : theirs) {
+    planner.take_tombstones(log);
+    planner.take_exports(log);
+  }
   planner.erase_withdrawn();
   for (const LogContent& log : theirs) {
     for (const LogSession& session : log.sessions) planner.take(session, log.source);

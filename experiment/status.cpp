@@ -62,7 +62,7 @@ std::string format_status(const StudyFolder& folder) {
   text += fmt::format("\nWithdrawn participants: {}.\n", withdrawn);
   for (const Experiment experiment : {Experiment::kArtifact, Experiment::kMaterial})
     text += format_next(log, sessions, experiment);
-  return text;
+  return text + fmt::format("Station of this log: {}.\n", log.load_station().substr(0, 8));
 }
 
 }  // namespace equilux

@@ -89,7 +89,7 @@ TrialLog& TrialLog::operator=(TrialLog&&) noexcept = default;
 std::int64_t TrialLog::append_session(const SessionRow& asked, const std::vector<TrialRow>& trials) {
   Transaction transaction(impl_->database);
   SessionRow row = asked;
-  row.station = load_station(impl_->database);
+  row.station = equilux::load_station(impl_->database);
   row.complete = false;
   if (row.uuid.empty()) row.uuid = draw_identity();
   check_can_begin(impl_->database, row);
@@ -208,12 +208,13 @@ std::int64_t TrialLog::count_withdrawn() const {
 
 void TrialLog::append_export(const std::string& path) {
   Transaction transaction(impl_->database);
-  Statement(impl_->database, "INSERT INTO export (path, made_utc) VALUES (?,?)", path, format_utc_now())
-      .run();
+  insert_export(impl_->database, {path, format_utc_now()});
   transaction.commit();
 }
 
 std::vector<ExportRow> TrialLog::load_exports() const { return equilux::load_exports(impl_->database); }
+
+std::string TrialLog::load_station() const { return equilux::load_station(impl_->database); }
 
 std::string TrialLog::load_setting(const std::string& name) const {
   return read_setting(impl_->database, name);

@@ -91,8 +91,9 @@ struct EventRow {
 
 /// Where answers were exported to, and when last.
 struct ExportRow {
-  std::string path;
+  std::string path;  ///< absolute
   std::string made_utc;
+  std::string station = {};  ///< at which it was made; empty: at that of this log
 };
 
 /// An answer as the session reports it.
@@ -143,6 +144,7 @@ class TrialLog {
   /// third of the time.
   std::vector<TrialRow> load_brief_trials(std::int64_t session) const;
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
+  std::string load_station() const;                               ///< this log's own
   std::int64_t count_withdrawn() const;                           ///< tombstones
   /// Lowest index of this lane that no session of this kind and experiment holds.
   std::int64_t find_free_index(SubjectKind kind, Experiment experiment, const Lane& lane = {}) const;
@@ -161,7 +163,7 @@ class TrialLog {
   void append_field(std::int64_t session, const std::string& name, const std::string& value);
   /// That answers were exported to `path`, for a later withdrawal to name.
   void append_export(const std::string& path);
-  std::vector<ExportRow> load_exports() const;  ///< each path once, sorted
+  std::vector<ExportRow> load_exports() const;  ///< each path once, sorted; after a merge other stations' too
   /// Marks the session complete. errors: StoreError if a trial is unanswered.
   void finish_session(std::int64_t session, std::int64_t time_ns);
 

@@ -48,6 +48,19 @@ std::string format_session(const SessionRow& row) {
                      row.complete ? ", complete" : "");
 }
 
+// Not where it cannot be told.
+bool is_gone(const fs::path& path) {
+  std::error_code ignored;
+  return fs::status(path, ignored).type() == fs::file_type::not_found;
+}
+
+std::string format_export(const ExportRow& row) {
+  if (!row.station.empty())
+    return fmt::format("  at station {}: {}, of {}\n", row.station.substr(0, 8), row.path, row.made_utc);
+  return fmt::format("  {}, of {}{}\n", row.path, row.made_utc,
+                     is_gone(row.path) ? ": not there any more; if it was moved, it holds them still" : "");
+}
+
 bool has_table(const Database& database, const std::string& table) {
   return Statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?", table).step();
 }
@@ -89,24 +102,21 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-// One that cannot be read may: that stops no withdrawal.
-bool may_hold(const fs::path& path, const std::string& code) {
-  try {
-    return has_word(load_text(path), code);
-  } catch (const InputError&) {
-    return true;
+// Of analysis, in its usual place beside the log; of one elsewhere nothing is known. What cannot be read
+// stops no withdrawal, but may hold the code.
+void find_reports(Withdrawal& withdrawal, const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (!is_file(entry.path())) continue;
+    try {
+      if (has_word(load_text(entry.path()), withdrawal.code)) withdrawal.reports.push_back(entry.path());
+    } catch (const InputError&) {
+      withdrawal.unread.push_back(entry.path());
+    }
   }
-}
-
-// Of analysis, in its usual place beside the log; of one elsewhere nothing is known.
-std::vector<fs::path> find_reports_with(const fs::path& log, const std::string& code) {
-  std::vector<fs::path> found;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(StudyFolder{log.parent_path()}.report_folder(), none)) {
-    if (is_file(entry.path()) && may_hold(entry.path(), code)) found.push_back(entry.path());
-  }
-  std::sort(found.begin(), found.end());
-  return found;
+  if (error && !is_gone(folder)) withdrawal.unread.push_back(folder);
+  std::sort(withdrawal.reports.begin(), withdrawal.reports.end());
+  std::sort(withdrawal.unread.begin(), withdrawal.unread.end());
 }
 
 }  // namespace
@@ -121,7 +131,7 @@ Withdrawal plan_withdrawal(const fs::path& log, const std::string& code) {
   withdrawal.answers = count_answers(database, withdrawal.sessions);
   withdrawal.copies = find_copies_with(log, code);
   withdrawal.exports = load_exports(database);
-  withdrawal.reports = find_reports_with(log, code);
+  find_reports(withdrawal, StudyFolder{log.parent_path()}.report_folder());
   if (!withdrawal.withdrawn_utc && withdrawal.sessions.empty() && withdrawal.copies.empty())
     throw InputError(log.string(), "participant/code", "the code of a participant of this log", code);
   return withdrawal;
@@ -137,14 +147,19 @@ std::string format_withdrawal(const Withdrawal& withdrawal) {
   for (const fs::path& copy : withdrawal.copies) text += fmt::format("  also in {}\n", copy.string());
   for (const fs::path& report : withdrawal.reports)
     text += fmt::format("  also in {}, which is yours to delete or to make again\n", report.string());
+  for (const fs::path& path : withdrawal.unread)
+    text += fmt::format("  perhaps also in {}, which cannot be read: look into it\n", path.string());
   return text + format_exports(withdrawal.exports);
 }
 
 std::string format_exports(const std::vector<ExportRow>& exports) {
-  if (exports.empty()) return "";
-  std::string text = "Earlier exports may hold these answers; they are yours to delete or to export again:\n";
-  for (const ExportRow& row : exports) text += fmt::format("  {}, of {}\n", row.path, row.made_utc);
-  return text;
+  std::string text;
+  if (!exports.empty())
+    text = "Earlier exports may hold these answers; they are yours to delete or to export again:\n";
+  for (const ExportRow& row : exports) text += format_export(row);
+  return text +
+         "Of reports and exports that equilux-analyze made elsewhere, of copies and of backups the log knows "
+         "nothing: look through them too.\n";
 }
 
 void withdraw_participant(const fs::path& log, const std::string& code) {

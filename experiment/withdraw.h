@@ -21,6 +21,7 @@ struct Withdrawal {
   std::vector<std::filesystem::path> copies;   ///< kept copies that hold the code
   std::vector<ExportRow> exports;              ///< earlier ones: files that may hold these answers
   std::vector<std::filesystem::path> reports;  ///< files of the study folder's report that hold the code
+  std::vector<std::filesystem::path> unread;   ///< likewise, or the report's folder, that cannot be read
 };
 
 /// Looks without touching anything. errors: InputError where neither log nor copies know the code and nobody
@@ -30,7 +31,7 @@ Withdrawal plan_withdrawal(const std::filesystem::path& log, const std::string& 
 /// In words for the experimenter, a line each.
 std::string format_withdrawal(const Withdrawal& withdrawal);
 
-/// Which earlier exports may hold the answers of somebody who withdrew; empty where there was none.
+/// Which earlier exports may hold the answers of somebody who withdrew, and that there may be more.
 std::string format_exports(const std::vector<ExportRow>& exports);
 
 /// Erases the participant with all sessions, fields, trials and events, leaves a tombstone, and writes log

@@ -22,6 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 constexpr int kTrials = 4;
 const std::string kStudy = "study";  ///< digest of the study of make_fake_session
@@ -323,6 +324,63 @@ TEST_F(Merge, ErasesHereWhoWithdrewThere) {
   SessionRow again = make_fake_session(5);
   again.participant = "Withdrawing-4711";
   EXPECT_THROW(TrialLog(ours_).append_session(again, {}), InputError);
+}
+
+std::vector<std::string> load_export_places(const fs::path& log) {
+  std::vector<std::string> places;
+  for (const ExportRow& row : TrialLog(log).load_exports())
+    places.push_back((row.station.empty() ? "here" : row.station) + " " + row.path);
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+// So that a withdrawal names them, wherever it is asked for.
+TEST_F(Merge, KnowsOfTheExportsOfAllStations) {
+  add(ours_, "A", 0);
+  add(first_, "B", 1);
+  add(second_, "C", 2);
+  TrialLog(ours_).append_export("/answers");
+  TrialLog(first_).append_export("/answers");
+  TrialLog(first_).append_export("/answers");
+  TrialLog(second_).append_export("/tmp/a:b");
+  const std::string first = TrialLog(first_).load_station(), second = TrialLog(second_).load_station();
+  EXPECT_EQ(merge({first_, second_}).exports.size(), 2u);
+  std::vector<std::string> expected{"here /answers", first + " /answers", second + " /tmp/a:b"};
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(load_export_places(ours_), expected);
+  EXPECT_THAT(
+      format_withdrawal(plan_withdrawal(ours_, "B")),
+      AllOf(HasSubstr("  /answers, of "), HasSubstr("at station " + first.substr(0, 8) + ": /answers, of"),
+            HasSubstr("at station " + second.substr(0, 8) + ": /tmp/a:b, of")));
+}
+
+TEST_F(Merge, OfTheSameExportsOnceMoreChangesNothingAndALaterOneIsSeen) {
+  add(ours_, "A", 0);
+  add(first_, "B", 1);
+  TrialLog(first_).append_export("/answers");
+  merge({first_});
+  const auto before = load_whole_content(ours_);
+  EXPECT_THAT(merge({first_, first_, ours_}).exports, IsEmpty());
+  EXPECT_EQ(load_whole_content(ours_), before);
+  RawDatabase(first_).query(
+      "INSERT INTO export (path, made_utc) VALUES ('/answers', '2999-01-01T00:00:00.000Z')");
+  EXPECT_EQ(merge({first_}).exports.size(), 1u);
+  const auto exports = TrialLog(ours_).load_exports();
+  ASSERT_EQ(exports.size(), 1u) << "each path once, with its last time";
+  EXPECT_EQ(exports[0].made_utc, "2999-01-01T00:00:00.000Z");
+}
+
+// Through a log that holds what others have: each stays with its station, and ours are not another's.
+TEST_F(Merge, KnowsWhoseExportsTheyAreOverTwoMerges) {
+  add(ours_, "A", 0);
+  add(first_, "B", 1);
+  TrialLog(ours_).append_export("/ours");
+  TrialLog(first_).append_export("/first");
+  merge_logs(second_, {ours_, first_}, kStudy);
+  const std::string ours = TrialLog(ours_).load_station(), first = TrialLog(first_).load_station();
+  EXPECT_THAT(load_export_places(second_), UnorderedElementsAre(ours + " /ours", first + " /first"));
+  merge({second_});
+  EXPECT_THAT(load_export_places(ours_), UnorderedElementsAre("here /ours", first + " /first"));
 }
 
 TEST_F(Merge, ReadsALogOfAnOlderSchemaWithoutChangingIt) {

@@ -59,6 +59,13 @@ TEST_F(Status, TellsTheNextIndexOfEachExperimentAndKind) {
                                                 "Next free index, material: person 0, planted 1.\n"));
 }
 
+TEST_F(Status, TellsTheStationByWhichAWithdrawalNamesExports) {
+  TrialLog log(folder_.responses(), true);
+  log.append_session(make_fake_session(0), {});
+  EXPECT_THAT(format_status(folder_),
+              HasSubstr("Station of this log: " + log.load_station().substr(0, 8) + ".\n"));
+}
+
 TEST_F(Status, IsToldOfAFolderThatCanOnlyBeRead) {
   { TrialLog(folder_.responses(), true).append_session(make_fake_session(), {}); }
   const ReadOnlyFolder read_only(folder_.root);

@@ -13,6 +13,7 @@
 #include "tests/experiment/fake_trials.h"
 #include "tests/experiment/old_log.h"
 #include "tests/experiment/raw_database.h"
+#include "tests/experiment/unprivileged.h"
 #include "tests/support/failures.h"
 
 namespace equilux {
@@ -21,6 +22,8 @@ namespace fs = std::filesystem;
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ContainsRegex;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -172,6 +175,54 @@ TEST_F(Withdraw, PlansWithoutTouchingAnything) {
               AllOf(HasSubstr("sessions 2, answers 4"), HasSubstr("material, index 1"),
                     HasSubstr("/somewhere/answers"),
                     HasSubstr("also in " + (report / "subjects.csv").string()), Not(HasSubstr("ee.csv"))));
+}
+
+// Of 64 MiB and a byte, of which nothing is on the disk: more than a text may have.
+TEST_F(Withdraw, NamesAReportThatCannotBeReadAndGoesOn) {
+  make_log(2);
+  const fs::path report = path_.parent_path() / "report";
+  fs::create_directories(report);
+  save_text(report / "ee.csv", "nobody's");
+  save_text(report / "page.html", "");
+  fs::resize_file(report / "page.html", (std::uintmax_t{64} << 20) + 1);
+  fs::create_symlink(report / "deleted.csv", report / "link.csv");
+  const Withdrawal plan = plan_withdrawal(path_, kCode);
+  EXPECT_THAT(plan.reports, IsEmpty());
+  EXPECT_THAT(plan.unread, ElementsAre(report / "page.html"));
+  EXPECT_THAT(format_withdrawal(plan), HasSubstr("perhaps also in " + (report / "page.html").string() +
+                                                 ", which cannot be read: look into it"));
+  withdraw_participant(path_, kCode);
+  EXPECT_THAT(find_text(kCode), IsEmpty());
+}
+
+TEST_F(Withdraw, NamesAReportFolderThatCannotBeLookedInto) {
+  make_log(2);
+  const fs::path report = path_.parent_path() / "report";
+  fs::create_directories(report);
+  save_text(report / "subjects.csv", "artifact," + kCode);
+  fs::permissions(report, fs::perms::none);
+  {
+    const ReadOnlyFolder nobody(folder_.root);
+    const Withdrawal plan = plan_withdrawal(path_, kCode);
+    EXPECT_THAT(plan.reports, IsEmpty());
+    EXPECT_THAT(plan.unread, ElementsAre(report));
+  }
+  fs::permissions(report, fs::perms::owner_all);
+  EXPECT_THAT(plan_withdrawal(path_, kCode).reports, ElementsAre(report / "subjects.csv"));
+}
+
+TEST_F(Withdraw, NamesExportsWhetherTheyAreThereOrNot) {
+  make_log(2);
+  const TemporaryFolder made;
+  {
+    TrialLog log(path_);
+    log.append_export(made.path().string());
+    log.append_export((made.path() / "deleted").string());
+  }
+  EXPECT_THAT(format_withdrawal(plan_withdrawal(path_, kCode)),
+              AllOf(ContainsRegex(made.path().string() + ", of [^:]*:[^:]*:[^:]*Z\n"),
+                    ContainsRegex("/deleted, of .*Z: not there any more; if it was moved, it holds them"),
+                    HasSubstr("that equilux-analyze made elsewhere")));
 }
 
 TEST_F(Withdraw, OfACodeThatNobodyHasIsAnError) {
