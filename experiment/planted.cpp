@@ -44,4 +44,11 @@ std::string name_planted(std::uint64_t seed, std::int64_t index) {
   return fmt::format("planted-{}-{}", seed, index);
 }
 
+std::string name_next_planted(const TrialLog& log, std::uint64_t seed, std::int64_t index) {
+  const std::string first = name_planted(seed, index);
+  std::string name = first;
+  for (int next = 2; log.has_withdrawn(name); ++next) name = fmt::format("{}-{}", first, next);
+  return name;
+}
+
 }  // namespace equilux

@@ -29,4 +29,9 @@ std::int64_t draw_planted_response_time_ns(const PlantedSubject& subject, int tr
 /// The participant code of a planted subject: planted-SEED-INDEX.
 std::string name_planted(std::uint64_t seed, std::int64_t index);
 
+/// The same for a new session in this log. The code of one that withdrew is refused for ever, though its
+/// index is free again: the next subject there is planted-SEED-INDEX-2, then -3, and so on; it answers as the
+/// first did.
+std::string name_next_planted(const TrialLog& log, std::uint64_t seed, std::int64_t index);
+
 }  // namespace equilux

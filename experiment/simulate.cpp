@@ -96,7 +96,8 @@ SimulateCounts simulate_subjects(const StudyFolder& folder, const SimulateParams
     progress.advance(1);
   }
   while (counts.kept + counts.resumed + counts.added < params.subjects) {
-    seat(name_planted(params.seed, log.find_free_index(SubjectKind::kPlanted, params.experiment)));
+    const std::int64_t index = log.find_free_index(SubjectKind::kPlanted, params.experiment);
+    seat(name_next_planted(log, params.seed, index));
     ++counts.added;
     progress.advance(1);
   }

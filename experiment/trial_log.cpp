@@ -206,6 +206,10 @@ std::int64_t TrialLog::count_withdrawn() const {
   return load_integer(impl_->database, "SELECT count(*) FROM tombstone");
 }
 
+bool TrialLog::has_withdrawn(const std::string& code) const {
+  return find_tombstone(load_tombstones(impl_->database), code).has_value();
+}
+
 void TrialLog::append_export(const std::string& path) {
   Transaction transaction(impl_->database);
   insert_export(impl_->database, {path, format_utc_now()});

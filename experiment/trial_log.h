@@ -146,6 +146,7 @@ class TrialLog {
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
   std::string load_station() const;                               ///< this log's own
   std::int64_t count_withdrawn() const;                           ///< tombstones
+  bool has_withdrawn(const std::string& code) const;
   /// Lowest index of this lane that no session of this kind and experiment holds.
   std::int64_t find_free_index(SubjectKind kind, Experiment experiment, const Lane& lane = {}) const;
   bool has_session_using_selection(const std::string& selection_digest) const;

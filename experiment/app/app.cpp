@@ -219,11 +219,11 @@ std::optional<PlantedPilot> make_pilot(const AppParams& params, const Workplace&
 // The next planted subject of this seed, as the headless program would call it.
 std::string name_planted_subject(const AppParams& params) {
   const StudyFolder folder{params.study_folder};
-  std::int64_t index = params.lane.first;
-  if (std::filesystem::exists(folder.responses()))
-    index = TrialLog::load_snapshot(folder.responses())
-                .find_free_index(SubjectKind::kPlanted, *params.experiment, params.lane);
-  return name_planted(*params.planted_seed, index);
+  const std::uint64_t seed = *params.planted_seed;
+  if (!std::filesystem::exists(folder.responses())) return name_planted(seed, params.lane.first);
+  const TrialLog log = TrialLog::load_snapshot(folder.responses());
+  return name_next_planted(log, seed,
+                           log.find_free_index(SubjectKind::kPlanted, *params.experiment, params.lane));
 }
 
 }  // namespace

@@ -74,6 +74,17 @@ TEST_F(PlantedAppTest, LeavesTheLogOfTheHeadlessOneButForTimes) {
   EXPECT_EQ(load_showings(seen), load_showings(unseen));
 }
 
+TEST_F(PlantedAppTest, TakesAnotherCodeWhereTheSubjectWithdrew) {
+  const StudyFolder folder = make_study("again", "pocket", 28, 21);
+  for (const char* code : {"planted-5-0", "planted-5-0-2"}) {
+    ChildProcess app = show(folder);
+    ASSERT_EQ(app.wait(), 0) << app.read_output();
+    EXPECT_THAT(app.read_output(), HasSubstr(fmt::format("session of {} is complete", code)));
+    ChildProcess withdrawal({kProgram, "withdraw", folder.root.string(), code, "--yes"});
+    ASSERT_EQ(withdrawal.wait(), 0) << withdrawal.read_output();
+  }
+}
+
 int count_answered(const StudyFolder& folder) {
   if (!std::filesystem::exists(folder.responses())) return 0;
   try {

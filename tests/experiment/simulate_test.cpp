@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "experiment/open_session.h"
 #include "experiment/planted.h"
+#include "experiment/withdraw.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/raw_database.h"
 
@@ -74,6 +75,30 @@ TEST_F(Simulate, KeepsSeedsApart) {
   ASSERT_EQ(sessions.size(), 5u);
   EXPECT_EQ(sessions[2].participant, "planted-6-2");
   EXPECT_EQ(sessions[2].subject_index, 2);
+}
+
+// Its index is free again, its code is not.
+TEST_F(Simulate, GoesOnWithAnotherCodeAfterAWithdrawal) {
+  const SimulateParams params = params_of(Experiment::kArtifact, 3);
+  simulate_subjects(folder_, params);
+  const auto trials = TrialLog(folder_.responses()).load_trials(2);
+  for (const auto& [code, next] :
+       {std::pair{"planted-5-1", "planted-5-1-2"}, {"planted-5-1-2", "planted-5-1-3"}}) {
+    withdraw_participant(folder_.responses(), code);
+    expect_counts(simulate_subjects(folder_, params), 2, 0, 1);
+    const TrialLog log(folder_.responses());
+    const SessionRow row = log.load_sessions().back();
+    EXPECT_EQ(row.participant, next);
+    EXPECT_EQ(row.subject_index, 1);
+    EXPECT_TRUE(row.complete);
+    const auto again = log.load_trials(row.id);
+    ASSERT_EQ(again.size(), trials.size());
+    for (std::size_t i = 0; i < trials.size(); ++i) EXPECT_EQ(again[i].answer, trials[i].answer) << i;
+  }
+  expect_counts(simulate_subjects(folder_, params), 3, 0, 0);
+  save_fake_selection(folder_, SubjectKind::kPlanted, {5});
+  simulate_subjects(folder_, params_of(Experiment::kMaterial, 3));
+  EXPECT_EQ(RawDatabase(folder_.responses()).value("SELECT count(*) FROM participant"), "3");
 }
 
 struct Interruption {};
