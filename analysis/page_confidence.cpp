@@ -258,7 +258,7 @@ std::string format_tracing(const std::vector<Report>& reports) {
        "k and n alone; q from the p of all tested cells of the experiment"},
       {"cuts, regions, EE", "thresholds.csv, ee.csv", "k and n of a column&rsquo;s cells, by the rule named"},
       {"resampled shares and cuts, turned by one", "ee.csv, thresholds.csv",
-       "answers by subject, streams <code>analysis/bootstrap/EXPERIMENT</code> of the seed"},
+       "answers by subject, streams <code>analysis/bootstrap/EXPERIMENT/STUDY</code> of the seed"},
       {"posterior of EE", "ee.csv",
        "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed"},
       {"trends", "trends.csv", "verdicts of ee.csv and the resamples"},

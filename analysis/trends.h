@@ -53,7 +53,8 @@ struct ComparedStudy {
 };
 
 /// EE from one study to another, as from plain to normalised pictures: factor `study`, a pair for each column
-/// that both have. Both need as many resamples. p_holm is p; adjust_trends allows for others.
+/// that both have. Subjects of the two are not paired. Both need as many resamples. p_holm is p;
+/// adjust_trends allows for others.
 Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule rule);
 
 /// Sets p_holm and holds of trends that are read together.

@@ -193,10 +193,9 @@ void find_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots c
   }
 }
 
-std::vector<std::uint32_t> draw_subjects(std::size_t subjects, Experiment experiment, int resample,
+std::vector<std::uint32_t> draw_subjects(std::size_t subjects, const std::string& stream, int resample,
                                          std::uint64_t seed) {
-  RandomStream random(seed, "analysis/bootstrap/" + format_experiment(experiment),
-                      static_cast<std::uint64_t>(resample));
+  RandomStream random(seed, stream, static_cast<std::uint64_t>(resample));
   std::vector<std::uint32_t> weights(subjects, 0);
   for (std::size_t i = 0; i < subjects; ++i) ++weights[random.next_below(subjects)];
   return weights;
@@ -246,9 +245,15 @@ void add_resample(ResampleRun& run, std::vector<ColumnSlots>& columns, const std
   }
 }
 
+// Of an experiment of a study by itself: rows of two matrices stand in no pairs.
+std::string name_stream(Experiment experiment, const std::string& study) {
+  return fmt::format("analysis/bootstrap/{}/{}", format_experiment(experiment), study);
+}
+
 // Those from `first` to `end`.
-ResampleRun resample(std::vector<ColumnSlots> columns, const ResponseMatrix& artifact,
-                     const ResponseMatrix& material, std::uint64_t seed, int first, int end) {
+ResampleRun resample(std::vector<ColumnSlots> columns, const std::string& study,
+                     const ResponseMatrix& artifact, const ResponseMatrix& material, std::uint64_t seed,
+                     int first, int end) {
   ResampleRun run;
   for (const ColumnSlots& column : columns) {
     const std::vector<CutHistogram> empty(2, CutHistogram(column.levels));
@@ -256,7 +261,8 @@ ResampleRun resample(std::vector<ColumnSlots> columns, const ResponseMatrix& art
   }
   for (int number = first; number < end; ++number) {
     const auto counts = [&](const ResponseMatrix& matrix, Experiment experiment) {
-      return count_weighted(matrix, draw_subjects(matrix.subjects(), experiment, number, seed));
+      return count_weighted(matrix,
+                            draw_subjects(matrix.subjects(), name_stream(experiment, study), number, seed));
     };
     add_resample(run, columns, counts(artifact, Experiment::kArtifact),
                  counts(material, Experiment::kMaterial));
@@ -265,8 +271,9 @@ ResampleRun resample(std::vector<ColumnSlots> columns, const ResponseMatrix& art
 }
 
 // Side by side: every resample has a stream of its own.
-ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const ResponseMatrix& artifact,
-                         const ResponseMatrix& material, const UncertaintyParams& params) {
+ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const std::string& study,
+                         const ResponseMatrix& artifact, const ResponseMatrix& material,
+                         const UncertaintyParams& params) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   const int threads = std::clamp(params.threads > 0 ? params.threads : cores, 1, params.resamples);
   const auto begin_of = [&](int thread) {
@@ -275,7 +282,8 @@ ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const Response
   std::vector<std::future<ResampleRun>> running;
   for (int thread = 0; thread < threads; ++thread) {
     running.push_back(std::async(std::launch::async, [&, thread] {
-      return resample(columns, artifact, material, params.seed, begin_of(thread), begin_of(thread + 1));
+      return resample(columns, study, artifact, material, params.seed, begin_of(thread),
+                      begin_of(thread + 1));
     }));
   }
   ResampleRun all = running.front().get();
@@ -426,7 +434,7 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
     find_posterior(column, findings[c].column, columns[c], params);
   }
   result.subjects = std::min(artifact.subjects(), material.subjects());
-  ResampleRun run = resample_all(columns, artifact, material, params);
+  ResampleRun run = resample_all(columns, study.name, artifact, material, params);
   if (artifact.subjects() > 1 && material.subjects() > 1) result.resamples = std::move(run.verdicts);
   for (std::size_t c = 0; c < columns.size(); ++c)
     take_sums(result.columns[c], run.columns[c], artifact.subjects(), material.subjects(), params.level);

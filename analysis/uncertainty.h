@@ -70,9 +70,10 @@ struct Uncertainty {
   std::size_t subjects = 0;  ///< of the experiment that has fewer
 };
 
-/// Subjects are drawn with replacement, in each experiment by itself;
-/// flagged cells of a draw go through the same column rules as counts. The same answers and seed give the
-/// same numbers in whatever order they come. source: Efron and Tibshirani 1993, chapters 6, 11 and 13.
+/// Subjects are drawn with replacement, in each experiment of each study by itself, also where one person's
+/// code stands in several: studies are told apart by their names; flagged cells of a draw go through the same
+/// column rules as counts. The same answers and seed give the same numbers in whatever order they come.
+/// source: Efron and Tibshirani 1993, chapters 6, 11 and 13.
 Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
                              const ResponseMatrix& artifact, const ResponseMatrix& material,
                              const UncertaintyParams& params);

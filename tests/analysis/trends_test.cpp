@@ -159,6 +159,43 @@ TEST(Trends, from_plain_to_normalised_pair_the_columns_that_both_have) {
             TrendStatus::kNoPairs);
 }
 
+// Answers of twelve subjects to one level of each column, right with probability .65: near the cut. Seed 5.
+std::vector<AnswerRow> answer_by_chance(const Study& study, Experiment experiment) {
+  std::vector<AnswerRow> answers;
+  for (int subject = 0; subject < 12; ++subject) {
+    RandomStream random(5, format_experiment(experiment), static_cast<std::uint64_t>(subject));
+    for (const Cell& cell : enumerate_cells(study)) {
+      if (cell.clamp_level == 4) answers.push_back({subject + 1, subject, cell, random.next_double() < 0.65});
+    }
+  }
+  return answers;
+}
+
+Case answer_case(const std::string& name) {
+  Case made{load_protocol("pocket"), {}, {}};
+  made.study.name = name;
+  const auto artifact = answer_by_chance(made.study, Experiment::kArtifact);
+  const auto material = answer_by_chance(made.study, Experiment::kMaterial);
+  made.findings = find_equivalence(made.study, tally_answers(artifact, made.study),
+                                   tally_answers(material, made.study), nullptr);
+  made.uncertainty = find_uncertainty(made.study, made.findings, make_response_matrix(artifact),
+                                      make_response_matrix(material), {1, 1, 400, 1});
+  return made;
+}
+
+// Subjects of two studies stand in no pairs, whatever their rows: drawn alike, equal answers would leave no
+// doubt of a difference of none. 400 resamples, seed 1.
+TEST(Trends, between_studies_draw_the_subjects_of_each_by_themselves) {
+  const Case plain = answer_case("plain"), other = answer_case("other"), again = answer_case("plain");
+  EXPECT_EQ(plain.uncertainty.resamples, again.uncertainty.resamples);
+  const Trend trend = compare_studies({"plain", plain.findings, plain.uncertainty},
+                                      {"other", other.findings, other.uncertainty}, Rule::kPaper);
+  EXPECT_EQ(trend.effect, 0);
+  ASSERT_TRUE(trend.interval);
+  EXPECT_LE(trend.interval->lower, -0.25);
+  EXPECT_GE(trend.interval->upper, 0.25);
+}
+
 TEST(Trends, do_not_hold_where_other_subjects_could_have_given_the_opposite) {
   Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
   const auto row = made.uncertainty.resamples[0];
