@@ -41,7 +41,8 @@ RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bo
     if (has_material && is_kept && material.n == 0) finding.untested.push_back(level);
     if (finding.regions.back() != Region::kEquivalent) continue;
     finding.green.push_back(level);
-    if (is_supported(column.artifact[i].count) && is_supported(material)) finding.supported.push_back(level);
+    if (is_supported(column.artifact[i].count, percent) && is_supported(material, percent))
+      finding.supported.push_back(level);
   }
   finding.verdict = verdict_of(finding, column.dropped);
   return finding;
@@ -72,6 +73,11 @@ std::vector<ColumnFinding> find_equivalence(const Study& study, const Tally& art
     findings.push_back(std::move(finding));
   }
   return findings;
+}
+
+bool is_observed(const ColumnFinding& column, Region region, std::size_t i) {
+  if (region == Region::kUntested) return true;
+  return column.artifact[i].count.n > 0 && (region == Region::kArtifact || column.material[i].count.n > 0);
 }
 
 std::string format_region(Region region) {

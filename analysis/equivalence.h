@@ -48,6 +48,10 @@ struct ColumnFinding {
 std::vector<ColumnFinding> find_equivalence(const Study& study, const Tally& artifact, const Tally& material,
                                             const Selection* selection, int percent = kFlagPercent);
 
+/// Whether every experiment of which a region speaks was asked at place i of the column; where not, the rule
+/// infers the region from other levels.
+bool is_observed(const ColumnFinding& column, Region region, std::size_t i);
+
 std::string format_region(Region region);
 
 }  // namespace equilux

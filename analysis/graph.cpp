@@ -82,11 +82,6 @@ std::string describe_count(const char* name, const Count& count) {
                      : fmt::format("{} not tested", name);
 }
 
-// Whether the level's own answers are behind its colour; a paler cell is inferred from its neighbours.
-bool is_observed(Region region, const Count& artifact, const Count& material) {
-  return region == Region::kUntested || (region == Region::kArtifact ? artifact.n > 0 : material.n > 0);
-}
-
 std::string draw_region(const std::string& prefix, Region region, double x, double y, bool observed) {
   return fmt::format(
       R"~(<rect class="cell" x="{}" y="{}" width="{}" height="{}" fill="url(#{}-{})" fill-opacity="{}" stroke="#ffffff" stroke-width="0.75"/>)~"
@@ -113,7 +108,7 @@ std::string draw_cell(const std::string& prefix, const ColumnFinding& column, co
                                         format_region(region), describe_count("artifact", artifact),
                                         describe_count("material", material), supported ? "; supported" : "");
   return fmt::format("<g><title>{}</title>\n", escape_xml(title)) +
-         draw_region(prefix, region, x, y, is_observed(region, artifact, material)) +
+         draw_region(prefix, region, x, y, is_observed(column, region, i)) +
          draw_letter(region, x, y, supported) + draw_dot(x + 7, y + kCellHeight / 2.0, artifact) +
          draw_dot(x + kCellWidth - 7, y + kCellHeight / 2.0, material) + "</g>\n";
 }
@@ -192,7 +187,7 @@ std::string draw_legend(const std::string& name) {
     x += entry.region == Region::kArtifact ? 225 : entry.region == Region::kChanged ? 275 : 195;
   }
   svg += draw_region(prefix, Region::kEquivalent, x + 55, y, false) +
-         draw_text(x + 55 + kCellWidth + 6, y + 11, "start", 10, "paler: inferred from tested neighbours");
+         draw_text(x + 55 + kCellWidth + 6, y + 11, "start", 10, "paler: inferred by the rule, not tested");
   svg += draw_dot(8, 58, {9, 12}) + draw_dot(18, 58, {0, 12}) +
          draw_text(28, 61.5, "start", 10,
                    "tested: artifact experiment at the left, material at the right of a cell; filled where "

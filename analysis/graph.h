@@ -11,6 +11,7 @@ namespace equilux {
 /// An SVG element that stands alone in a file or inline in a page: x VPL count, y clamp level with no clamp
 /// at the bottom; a column a count, a cell a level, coloured, hatched and lettered by its region; a dot at
 /// the left for the artifact experiment and at the right for the material experiment, filled where flagged.
+/// A cell is paler where not every experiment that its colour speaks of was asked there.
 /// `columns` are those of the object, from few to many VPLs; `scale` enlarges the whole; `study` keeps the
 /// hatches apart from those of other studies in a page.
 std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,

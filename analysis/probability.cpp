@@ -63,10 +63,10 @@ std::optional<double> eval_p_two_sided(const Count& count) {
   return std::min(1.0, 2 * *eval_p_guess({std::max(count.k, count.n - count.k), count.n}));
 }
 
-bool is_supported(const Count& count) {
+bool is_supported(const Count& count, int percent) {
   check_count(count);
   if (count.n == 0) return false;
-  return boost::math::cdf(make_binomial(count.n, kFlagProportion), static_cast<double>(count.k)) <=
+  return boost::math::cdf(make_binomial(count.n, percent / 100.0), static_cast<double>(count.k)) <=
          kSupportLevel;
 }
 

@@ -19,10 +19,10 @@ std::optional<double> eval_p_two_sided(const Count& count);
 inline constexpr double kFlagProportion = 0.75;  ///< proportion correct at which a cell is flagged
 inline constexpr double kSupportLevel = 0.05;    ///< one-sided error of a supported cell
 
-/// True iff a true proportion of kFlagProportion would give k or fewer with probability of at most
-/// kSupportLevel: then the cell is shown to be below the cut (k <= 5 of 12, k <= 7 of 14), not only not shown
-/// to be above it.
-bool is_supported(const Count& count);
+/// True iff a true proportion of `percent` correct would give k or fewer with probability of at most
+/// kSupportLevel: then the cell is shown to be below the cut (at 75 % k <= 5 of 12, k <= 7 of 14), not only
+/// not shown to be above it.
+bool is_supported(const Count& count, int percent = kFlagPercent);
 
 /// units: proportion correct, 0 to 1.
 struct Interval {

@@ -41,13 +41,7 @@ Look look_of(Region region) {
   return {{241, 241, 239}, "?"};
 }
 
-// Whether the level's own answers are behind its colour, as in the report's graphs.
-bool is_observed(const ColumnFinding& column, Region region, std::size_t level) {
-  if (region == Region::kUntested) return true;
-  return (region == Region::kArtifact ? column.artifact : column.material)[level].count.n > 0;
-}
-
-// Paler where it is inferred from neighbours.
+// Paler where it is inferred, as in the report's graphs.
 ImU32 fill_of(const Look& look, bool is_observed) {
   const auto pale = [&](int value) { return is_observed ? value : (55 * value + 45 * 255) / 100; };
   return IM_COL32(pale(look.fill[0]), pale(look.fill[1]), pale(look.fill[2]), 255);
@@ -186,7 +180,8 @@ std::vector<std::string> ResultsView::list_lines() const {
                   illuminations_.size() > 1 ? " PageUp, PageDown: the other light." : ""),
       "A artifacts seen, M material changed, AM both, E visually equivalent (underlined: supported at 95 %), "
       "? "
-      "not tested enough; paler: inferred from neighbours. Dots: artifact left, material right, filled where "
+      "not tested enough; paler: inferred by the rule, not tested. Dots: artifact left, material right, "
+      "filled where "
       "3/4 or more were right."};
   if (!message_.empty()) lines.push_back(message_);
   return lines;

@@ -48,6 +48,23 @@ TEST(Equivalence, exists_where_a_level_is_artifact_free_and_unchanged) {
   EXPECT_TRUE(paper.untested.empty());
 }
 
+// Of a true 70 % 7 of 14 come with probability .093, of 75 % with .038; of 80 % 6 of 12 with .019, of 75 %
+// with .054.
+TEST(Equivalence, is_supported_against_the_proportion_at_which_cells_are_flagged) {
+  Bench bench;
+  bench.set(bench.artifact, {{3, {12, 12}}, {4, {12, 12}}, {5, {5, 12}}, {6, {6, 12}}});
+  bench.set(bench.material, {{5, {7, 14}}, {6, {5, 14}}, {9, {14, 14}}, {10, {14, 14}}});
+  const auto supported_at = [&](int percent) {
+    return find_equivalence(bench.study, bench.artifact, bench.material, nullptr, percent)
+        .front()
+        .under(Rule::kPaper)
+        .supported;
+  };
+  EXPECT_EQ(supported_at(70), std::vector<int>{});
+  EXPECT_EQ(supported_at(75), std::vector<int>{5});
+  EXPECT_EQ(supported_at(80), (std::vector<int>{5, 6}));
+}
+
 TEST(Equivalence, has_none_where_the_first_surviving_level_has_changed) {
   Bench bench;
   bench.set(bench.artifact, {{3, {12, 12}}, {4, {10, 12}}, {5, {5, 12}}, {6, {6, 12}}});

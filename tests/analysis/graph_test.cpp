@@ -75,6 +75,43 @@ TEST(Graph, of_untested_columns_is_all_question_marks_without_dots) {
   EXPECT_EQ(count_of(svg, "<circle"), 0U);
 }
 
+// Opacity of the cell of this level, which follows its title.
+std::string find_opacity(const std::string& svg, const std::string& level) {
+  const std::string name = "fill-opacity=\"";
+  const std::size_t at = svg.find(name, svg.find("-" + level + ": ")) + name.size();
+  return svg.substr(at, svg.find('"', at) - at);
+}
+
+std::string find_opacities(const std::string& svg) {
+  std::string text;
+  for (int level = 0; level < kClampLevelCount; ++level)
+    text += find_opacity(svg, format_clamp(level)) == "1" ? '#' : '.';
+  return text;
+}
+
+// Artifacts tested at C3 to C6, material at C2 and from C5 on every second level: only where both were does
+// green, or red on a level free of artifacts, rest on answers.
+TEST(Graph, draws_a_cell_paler_unless_every_experiment_its_colour_speaks_of_was_asked_there) {
+  const Study study = load_protocol("pocket");
+  Tally artifact = tally_answers({}, study), material = artifact;
+  const Column column = enumerate_columns(study).front();
+  const auto draw = [&] {
+    const auto findings = find_equivalence(study, artifact, material, nullptr);
+    return draw_graph(column.object, {&findings.front()}, Rule::kPaper);
+  };
+  for (const auto& [level, k] : {std::pair{3, 12}, {4, 12}, {5, 3}, {6, 3}})
+    artifact[Cell{column, level, false}] = {k, 12};
+  for (const int level : {5, 7, 9, 10}) material[Cell{column, level, false}] = {3, 14};
+  EXPECT_EQ(find_opacities(draw()), "...###.....") << "green from C5 on, both asked at C5 alone";
+  for (const int level : {6, 9, 10}) material[Cell{column, level, false}] = {14, 14};
+  EXPECT_EQ(find_opacities(draw()), "...####....") << "red from C6 on, both asked at C6 alone";
+  material[Cell{column, 2, false}] = {14, 14};
+  EXPECT_EQ(find_opacities(draw()), ".....##....") << "both from C2 to C4, each asked of one alone";
+  artifact[Cell{column, 2, false}] = {12, 12};
+  material[Cell{column, 3, false}] = {14, 14};
+  EXPECT_EQ(find_opacities(draw()), "..##.##....") << "at C4 nobody was asked of the material";
+}
+
 TEST(Graph, its_legend_is_well_formed_xml) { EXPECT_NO_THROW(read_xml(draw_legend())); }
 
 TEST(Graph, the_xml_reader_of_these_tests_refuses_an_element_left_open) {
