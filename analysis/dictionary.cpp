@@ -18,7 +18,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "ind: no light reaches the object directly; dir: an area fixture does too"},
     {"cells.csv thresholds.csv ee.csv answers.csv", "vpls", "integer", "number of virtual point lights"},
     {"cells.csv answers.csv", "clamp", "string",
-     "clamp level: C0 none, C1 to C10 rising; with n the picture is luminance-normalised"},
+     "clamp level, least to most clamped: C0 none; Ci: BRDF x cosine at the VPL / distance^2 is at most c = "
+     "10^(2.5 - (i - 1) / 2) in 1/m^2, 316 (C1) to 0.01 (C10); with n the picture is luminance-normalised"},
     {"answers.csv", "clamp_level", "integer", "the number in clamp"},
     {"cells.csv", "k", "integer", "subjects who were correct"},
     {"cells.csv", "n", "integer", "subjects who were asked"},

@@ -262,6 +262,12 @@ std::string format_tracing(const std::vector<Report>& reports) {
       {"posterior of EE", "ee.csv",
        "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed"},
       {"trends", "trends.csv", "verdicts of ee.csv and the resamples"},
+      {"dates, screens, answers to questions", "report.json (<code>participation</code>)",
+       "<code>SELECT * FROM session LEFT JOIN field ON field.session = session.id WHERE kind = KIND AND "
+       "experiment "
+       "= EXPERIMENT AND complete = 1</code>, counted"},
+      {"design", "study.json, session.json, windows.json, selection-KIND.json",
+       "the study folder; digests below"},
       {"sessions, sides, times", "subjects.csv, order.csv",
        "<code>SELECT * FROM trial WHERE session = SESSION ORDER BY trial</code>; where logs are pooled, the "
        "session of that participant in the log of the folder beside it"}};

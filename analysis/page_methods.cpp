@@ -13,10 +13,6 @@
 namespace equilux {
 namespace {
 
-std::string list_words(const std::vector<std::string>& words) {
-  return escape_xml(fmt::format("{}", fmt::join(words, ", ")));
-}
-
 const Tally& tally_of(const Report& report, Experiment experiment) {
   return experiment == Experiment::kArtifact ? report.artifact : report.material;
 }
@@ -195,29 +191,13 @@ std::string format_html_table(const Table& table, std::size_t first_number) {
 
 std::string format_asked(const Report& report) {
   const Study& study = report.study;
-  std::set<std::int64_t> counts;
-  for (const Column& column : enumerate_columns(study)) counts.insert(column.vpl_count);
-  std::vector<std::string> vpls;
-  for (const auto count : counts) vpls.push_back(format_vpl_count(count));
-  std::vector<std::string> illuminations;
-  for (const auto illumination : enumerate_illuminations(study)) {
-    illuminations.push_back(describe_illumination(illumination));
-  }
-  std::string text =
-      study.description.empty() ? "" : fmt::format("<p>{}</p>\n", escape_xml(study.description));
-  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
-    text += fmt::format("<p><b>{} experiment.</b> &ldquo;{}&rdquo;</p>\n",
-                        experiment == Experiment::kArtifact ? "Artifact" : "Material",
-                        escape_xml(prompt_of(experiment)));
-  }
-  return text + fmt::format(
-                    "<p>Geometries {}; materials {}; illumination {}; {} VPLs; clamp levels {} to {}: {} "
-                    "columns of {} levels, {} cells.{}</p>\n",
-                    list_words(enumerate_geometries(study)), list_words(enumerate_materials(study)),
-                    list_words(illuminations), list_words(vpls), format_clamp(study.clamp_levels.front()),
-                    format_clamp(study.clamp_levels.back()), report.findings.size(),
-                    study.clamp_levels.size(), enumerate_cells(study).size(),
-                    study.normalise ? " All pictures were luminance-normalised." : "");
+  return (study.description.empty() ? "" : fmt::format("<p>{}</p>\n", escape_xml(study.description))) +
+         fmt::format(
+             "<p>{} columns (a geometry, material, illumination and VPL count) of {} clamp levels: {} "
+             "cells.{}</p>\n",
+             report.findings.size(), study.clamp_levels.size(), enumerate_cells(study).size(),
+             study.normalise ? " All pictures were luminance-normalised." : "") +
+         format_design(report) + format_levels_table(report);
 }
 
 std::string format_answered(const Report& report) {
@@ -230,7 +210,8 @@ std::string format_answered(const Report& report) {
   return format_html_table(table, 1) +
          fmt::format(
              "<p class=\"note\">Only finished sessions of the kind <i>{}</i> count; kinds never mix.</p>\n",
-             format_kind(report.evidence.kind));
+             format_kind(report.evidence.kind)) +
+         format_participation(report);
 }
 
 std::string format_counting(const Report& report) {

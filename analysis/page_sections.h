@@ -28,6 +28,22 @@ std::string format_cells(const Report& report);
 std::string format_provenance(const Report& report);
 std::string format_tracing(const std::vector<Report>& reports);
 
+/// Parts of format_asked and format_answered: what the levels are, how trials and sessions went, who took
+/// part.
+std::string format_levels_table(const Report& report);
+std::string format_design(const Report& report);
+std::string format_participation(const Report& report);
+
+/// A material of the scene that comes with the program, as the page tells it.
+struct OwnMaterial {
+  const char* token;
+  float rho_d, rho_s, roughness_alpha;  ///< the last two are 0 for Lambertian
+};
+const std::vector<OwnMaterial>& own_scene_materials();
+
+/// "31.6", "no clamp". units: 1/m^2
+std::string format_clamp_value(int level);
+
 /// A table with a head. `fields` are markup already; columns from `first_number` on are aligned to the right.
 std::string format_html_table(const Table& table, std::size_t first_number);
 

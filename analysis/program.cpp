@@ -103,8 +103,12 @@ ReportSources load_sources(const StudyFolder& folder, const Study& study, Subjec
       folder.windows(), [&](const std::filesystem::path& path) { return load_windows(path, study); });
   sources.manifest = load_if_there<Manifest>(
       folder.manifest(), [](const std::filesystem::path& path) { return load_manifest(path); });
-  sources.protocol = load_if_there<std::string>(
-      folder.session(), [](const std::filesystem::path& path) { return load_session_protocol(path).digest; });
+  sources.protocol = load_if_there<SessionProtocol>(
+      folder.session(), [](const std::filesystem::path& path) { return load_session_protocol(path); });
+  if (kind == SubjectKind::kPlanted) {
+    sources.truth = load_if_there<Truth>(
+        folder.truth(), [&](const std::filesystem::path& path) { return load_truth(path, study); });
+  }
   sources.convergences = load_convergences(folder.convergence_folder());
   return sources;
 }

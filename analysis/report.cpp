@@ -87,6 +87,12 @@ void pool_selection(std::optional<Selection>& all, const std::optional<Selection
   }
 }
 
+// What all folders have alike.
+template <typename T>
+void pool_if_same(std::optional<T>& all, const std::optional<T>& part) {
+  if (!all || !part || all->digest != part->digest) all.reset();
+}
+
 void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experiment experiment) {
   if (evidence.unfinished == 0 || evidence.summaries.empty()) return;
   std::int64_t answered = 0;
@@ -205,7 +211,7 @@ std::vector<std::string> find_source_warnings(const Study& study, const Evidence
   }
   for (const ExperimentEvidence* experiment : {&evidence.artifact, &evidence.material}) {
     if (sources.protocol)
-      warn_of_digests(warnings, experiment->finished, &SessionDigests::protocol, *sources.protocol,
+      warn_of_digests(warnings, experiment->finished, &SessionDigests::protocol, sources.protocol->digest,
                       "a session.json");
   }
   warn_of_selection(warnings, evidence, sources.selection);
@@ -218,7 +224,9 @@ ReportSources pool_sources(std::vector<ReportSources> parts) {
   ReportSources all = std::move(parts.front());
   for (std::size_t i = 1; i < parts.size(); ++i) {
     ReportSources& part = parts[i];
-    if (!all.windows || !part.windows || all.windows->digest != part.windows->digest) all.windows.reset();
+    pool_if_same(all.windows, part.windows);
+    pool_if_same(all.protocol, part.protocol);
+    pool_if_same(all.truth, part.truth);
     pool_selection(all.selection, part.selection);
     for (ConvergenceExhibit& exhibit : part.convergences) all.convergences.push_back(std::move(exhibit));
   }
@@ -244,6 +252,8 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   report.windows = std::move(sources.windows);
   report.manifest = std::move(sources.manifest);
   report.convergences = std::move(sources.convergences);
+  report.protocol = std::move(sources.protocol);
+  report.truth = std::move(sources.truth);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
   add_uncertainty(report);

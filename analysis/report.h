@@ -13,6 +13,8 @@
 #include "analysis/report_folder.h"
 #include "analysis/trends.h"
 #include "analysis/uncertainty.h"
+#include "protocols/session_protocol.h"
+#include "protocols/truth.h"
 #include "stimuli/convergence.h"
 #include "stimuli/manifest.h"
 
@@ -58,6 +60,8 @@ struct Report {
   /// Columns whose verdict under `rule` would be another without the marked sessions.
   std::vector<Column> flipped_without_marked;
   std::vector<std::string> folders = {};  ///< study folders that were pooled, by name; empty: not known
+  std::optional<SessionProtocol> protocol = {};  ///< of the folders; empty: there is none, or several
+  std::optional<Truth> truth = {};               ///< the same of the planted truth; of planted answers only
 };
 
 /// What stands beside the answers in the study folder, where it is there.
@@ -66,7 +70,8 @@ struct ReportSources {
   std::optional<Windows> windows;
   std::optional<Manifest> manifest;
   std::vector<ConvergenceExhibit> convergences = {};
-  std::optional<std::string> protocol = {};  ///< digest of the folder's session.json; empty: there is none
+  std::optional<SessionProtocol> protocol = {};  ///< the folder's session.json; empty: there is none
+  std::optional<Truth> truth = {};               ///< the folder's truth.json, for planted answers
 };
 
 /// What a reader should know of the answers beside these sources: sessions made from others, placeholders.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "analysis/participation.h"
 #include "analysis/tables.h"
 #include "base/error.h"
 #include "base/version.h"
@@ -249,6 +250,7 @@ Json make_experiment_json(const ExperimentEvidence& evidence) {
   add("protocol_digests", &SessionDigests::protocol);
   json.set("session_programs",
            make_values_json(evidence, [](const SessionRow& row) { return row.program_version; }));
+  json.set("participation", make_participation_json(find_participation(evidence)));
   return json.set("session_seeds", make_values_json(evidence, [](const SessionRow& row) {
                     return fmt::format("{}", row.seed);
                   }));
