@@ -2,6 +2,7 @@
 #include "analysis/trends.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -83,9 +84,22 @@ void ask_counts(std::vector<Question>& questions, const Study& study,
   for (std::size_t i = 1; counts.size() > 2 && i < counts.size(); ++i) add({counts[i - 1], counts[i]});
 }
 
+// Of G0, G1, ... their number; the others have no order.
+std::optional<int> find_bumpiness(const std::string& geometry) {
+  int number = 0;
+  const char* const last = geometry.data() + geometry.size();
+  if (!geometry.starts_with('G') || geometry.size() < 2) return std::nullopt;
+  const auto [end, error] = std::from_chars(geometry.data() + 1, last, number);
+  return error == std::errc() && end == last && number >= 0 ? std::optional(number) : std::nullopt;
+}
+
 void ask_geometries(std::vector<Question>& questions, const Study& study,
                     const std::vector<ColumnFinding>& findings) {
-  const auto geometries = enumerate_geometries(study);
+  std::vector<std::string> geometries = enumerate_geometries(study);
+  std::erase_if(geometries, [](const std::string& geometry) { return !find_bumpiness(geometry); });
+  std::sort(geometries.begin(), geometries.end(), [](const std::string& a, const std::string& b) {
+    return *find_bumpiness(a) < *find_bumpiness(b);
+  });
   if (geometries.size() < 2) return;
   questions.push_back(ask<std::string>(
       findings, "geometry", geometries, [](const std::string& text) { return text; },
@@ -229,22 +243,25 @@ Trend answer(const Question& question, const std::vector<ColumnFinding>& finding
   return trend;
 }
 
-// Statistic of an order of ones and zeros: ones that come after zeros less zeros that come after ones.
+// Statistic of an order of ones and zeros: ones that come after zeros less zeros that come after ones. A one
+// adds the places before it less those behind it; place by place it stands there with the probability of a
+// draw from what is left. shape: by ones so far, the probability of each sum.
 std::map<std::int64_t, double> distribute(const Stratum& stratum) {
-  std::map<std::int64_t, double> weights;
-  std::vector<int> order(static_cast<std::size_t>(stratum.size), 0);
-  std::fill(order.end() - stratum.ones, order.end(), 1);
-  double orders = 0;
-  do {
-    std::int64_t statistic = 0;
-    for (std::size_t j = 1; j < order.size(); ++j) {
-      for (std::size_t i = 0; i < j; ++i) statistic += order[j] - order[i];
+  const auto ones = static_cast<std::size_t>(stratum.ones);
+  std::vector<std::map<std::int64_t, double>> sums(ones + 1);
+  sums[0][0] = 1;
+  for (int place = 0; place < stratum.size; ++place) {
+    std::vector<std::map<std::int64_t, double>> next(ones + 1);
+    for (std::size_t so_far = 0; so_far <= ones; ++so_far) {
+      const double one = static_cast<double>(ones - so_far) / (stratum.size - place);
+      for (const auto& [sum, p] : sums[so_far]) {
+        if (one > 0) next[so_far + 1][sum + 2 * place - (stratum.size - 1)] += p * one;
+        if (one < 1) next[so_far][sum] += p * (1 - one);
+      }
     }
-    weights[statistic] += 1;
-    orders += 1;
-  } while (std::next_permutation(order.begin(), order.end()));
-  for (auto& [statistic, weight] : weights) weight /= orders;
-  return weights;
+    sums = std::move(next);
+  }
+  return sums[ones];
 }
 
 }  // namespace
@@ -252,8 +269,7 @@ std::map<std::int64_t, double> distribute(const Stratum& stratum) {
 double eval_permutation_p(const std::vector<Stratum>& strata, std::int64_t statistic) {
   std::map<std::int64_t, double> sum{{0, 1.0}};
   for (const Stratum& stratum : strata) {
-    EQ_CHECK(stratum.ones >= 0 && stratum.ones <= stratum.size && stratum.size <= 20, stratum.ones,
-             stratum.size);
+    EQ_CHECK(stratum.ones >= 0 && stratum.ones <= stratum.size, stratum.ones, stratum.size);
     std::map<std::int64_t, double> next;
     const auto part = distribute(stratum);
     for (const auto& [a, p] : sum) {
@@ -296,12 +312,18 @@ std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFindi
 
 void adjust_trends(std::vector<Trend>& trends) {
   std::vector<double> p_values;
-  for (const Trend& trend : trends) p_values.push_back(trend.p);
+  std::vector<Trend*> compared;
+  for (Trend& trend : trends) {
+    if (trend.status == TrendStatus::kNoPairs) continue;
+    p_values.push_back(trend.p);
+    compared.push_back(&trend);
+  }
   const auto adjusted = adjust_holm(p_values);
-  for (std::size_t i = 0; i < trends.size(); ++i) {
-    trends[i].p_holm = adjusted[i];
-    const auto& interval = trends[i].interval;
-    trends[i].holds = adjusted[i] <= kTrendLevel && interval && (interval->lower > 0 || interval->upper < 0);
+  for (std::size_t i = 0; i < compared.size(); ++i) {
+    Trend& trend = *compared[i];
+    trend.p_holm = adjusted[i];
+    trend.holds = adjusted[i] <= kTrendLevel && trend.interval &&
+                  (trend.interval->lower > 0 || trend.interval->upper < 0);
   }
 }
 

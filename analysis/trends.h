@@ -33,15 +33,16 @@ struct Trend {
   /// Of the effect: it, give or take the farther end of the report's resamples of subjects.
   std::optional<Interval> interval;
   double p = 1;        ///< two-sided, exact: EE permuted within strata
-  double p_holm = 1;   ///< the same after Holm, over the trends of a report
+  double p_holm = 1;   ///< the same after Holm, over the trends of a report that compare something
   bool holds = false;  ///< p_holm <= kTrendLevel and the interval leaves out 0
 };
 
 inline constexpr double kTrendLevel = 0.05;
 
-/// Trends along VPL counts (all, and each step), geometries (all, in the study's order), the material steps
-/// MS-MR, MS-BS, BS-BR and BS-GS, and illumination. Columns without a verdict count in no pair.
-/// source: Jonckheere's statistic within strata, its permutation distribution by convolution; Holm 1979.
+/// Trends along VPL counts (all, and each step), the blobs G0, G1, ... (other geometries have no order), the
+/// material steps MS-MR, MS-BS, BS-BR and BS-GS, and illumination. Columns without a verdict count in no
+/// pair. source: Jonckheere's statistic within strata, its permutation distribution by convolution; Holm
+/// 1979.
 std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFinding>& findings, Rule rule,
                                const Uncertainty& uncertainty);
 

@@ -35,25 +35,46 @@ double parse_proportion(const std::string& text, std::string_view source, const 
   return value;
 }
 
+// Whether a window that begins at this level has all its levels in the study.
+bool is_start(int first, const std::vector<int>& clamp_levels) {
+  for (int level = first; level < first + kWindowLevels; ++level) {
+    if (std::find(clamp_levels.begin(), clamp_levels.end(), level) == clamp_levels.end()) return false;
+  }
+  return true;
+}
+
+// The nearest to the level that is wanted, of two the less clamped.
+int find_start(int wanted, const std::vector<int>& clamp_levels) {
+  std::optional<int> best;
+  for (const int level : clamp_levels) {
+    if (is_start(level, clamp_levels) && (!best || std::abs(level - wanted) < std::abs(*best - wanted)))
+      best = level;
+  }
+  if (best) return *best;
+  std::vector<std::string> names;
+  for (const int level : clamp_levels) names.push_back(format_clamp(level));
+  throw InputError("study", "/clamp_levels", fmt::format("{} adjacent clamp levels", kWindowLevels),
+                   fmt::format("{}", fmt::join(names, " ")));
+}
+
 }  // namespace
 
 std::optional<int> choose_first_level(const ColumnCounts& counts, const std::vector<int>& clamp_levels,
                                       Rule rule, int percent) {
   const Threshold threshold = find_cut(counts, Experiment::kArtifact, rule, percent);
-  const int least = clamp_levels.front(), most = clamp_levels.back() - kWindowLevels + 1;
   switch (threshold.status) {
     case CutStatus::kUntested:
       return std::nullopt;
     case CutStatus::kCensoredLow:
-      return std::clamp(find_first_tested(counts) - kWindowLevels + 1, least, most);
+      return find_start(find_first_tested(counts) - kWindowLevels + 1, clamp_levels);
     case CutStatus::kCensoredHigh:
-      return std::clamp(*threshold.cut - 1, least, most);
+      return find_start(*threshold.cut - 1, clamp_levels);
     case CutStatus::kNone:
-      return most;
+      return find_start(clamp_levels.back(), clamp_levels);
     case CutStatus::kCut:
       break;
   }
-  return std::clamp(*threshold.cut - kWindowLevels / 2, least, most);
+  return find_start(*threshold.cut - kWindowLevels / 2, clamp_levels);
 }
 
 std::map<Column, Window> choose_windows(const Study& study, const Tally& artifact, const Windows& standing,

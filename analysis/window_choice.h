@@ -11,7 +11,8 @@
 namespace equilux {
 
 /// Window around a cut, two levels to either side: a cut beyond the tested levels moves the window on, so
-/// that it overlaps them by one level. Empty where the column was not tested.
+/// that it overlaps them by one level. Where the study's levels have gaps, the nearest window that has all
+/// its levels. Empty where the column was not tested. errors: InputError where no four levels are adjacent.
 std::optional<int> choose_first_level(const ColumnCounts& counts, const std::vector<int>& clamp_levels,
                                       Rule rule, int percent = kFlagPercent);
 

@@ -39,6 +39,14 @@ TEST(PermutationTest, without_anything_that_differs_has_p_one) {
   EXPECT_EQ(eval_permutation_p({{3, 0}, {3, 3}, {2, 2}}, 0), 1);
 }
 
+// One 1 in 24 places is at each equally often: S is 2 place - 23, and |S| >= 21 at four of them. Two 1s in 30
+// are at the last two with S = 29 + 27, and of C(30, 2) = 435 orders two are as far from 0.
+TEST(PermutationTest, knows_strata_of_any_size) {
+  EXPECT_NEAR(eval_permutation_p({{24, 1}}, 21), 4.0 / 24, 1e-15);
+  EXPECT_NEAR(eval_permutation_p({{30, 2}}, 56), 2.0 / 435, 1e-15);
+  EXPECT_NEAR(eval_permutation_p({{30, 28}}, -56), 2.0 / 435, 1e-15);
+}
+
 // 2,000 studies without a trend, seeds 1..2000, eight strata of three: p <= .05 in at most 5 % (exact tests
 // are conservative), three standard errors allowed.
 TEST(PermutationTest, rejects_no_more_often_than_its_level) {
@@ -130,6 +138,34 @@ TEST(Trends, without_verdicts_have_no_pairs_and_no_number_that_is_not_finite) {
     EXPECT_EQ(trend.p, 1);
     EXPECT_EQ(trend.p_holm, 1);
   }
+}
+
+// Bunny and Dragon stand in no order with the blobs, nor with each other.
+TEST(Trends, along_geometries_are_asked_of_the_blobs_alone) {
+  const Case made = make_case("validation", [](const Column& column) {
+    return column.object.geometry == "Bunny" || column.object.geometry == "Dragon";
+  });
+  const auto trends = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+  const Trend& blobs = *std::find_if(trends.begin(), trends.end(),
+                                     [](const Trend& trend) { return trend.factor == "geometry"; });
+  EXPECT_EQ(blobs.from, "G0");
+  EXPECT_EQ(blobs.to, "G3");
+  EXPECT_EQ(blobs.strata, 3) << "LG at three counts";
+  EXPECT_EQ(blobs.pairs, 18);
+  EXPECT_EQ(blobs.status, TrendStatus::kFlat);
+}
+
+// Holm of .01 and .02 is .02 and .02: what has nothing to compare is no third hypothesis.
+TEST(Trends, that_compare_nothing_are_not_allowed_for) {
+  Trend first, second, nothing;
+  first.status = second.status = TrendStatus::kTested;
+  first.p = 0.01;
+  second.p = 0.02;
+  std::vector<Trend> trends{nothing, first, second};
+  adjust_trends(trends);
+  EXPECT_EQ(trends[0].p_holm, 1);
+  EXPECT_DOUBLE_EQ(trends[1].p_holm, 0.02);
+  EXPECT_DOUBLE_EQ(trends[2].p_holm, 0.02);
 }
 
 TEST(Trends, of_a_study_of_one_level_are_not_asked) {

@@ -1,11 +1,13 @@
 // Windows around cuts, kept inside the scale, written so that they load again.
 #include "analysis/window_choice.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "tests/analysis/columns.h"
+#include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
 namespace equilux::tests {
@@ -52,6 +54,25 @@ TEST(WindowChoice, from_a_pilot_says_so_and_keeps_what_the_pilot_did_not_test) {
     EXPECT_EQ(again.by_column.at(column).first_level, window.first_level);
     EXPECT_EQ(again.by_column.at(column).origin, window.origin);
   }
+}
+
+// A study of C0 to C3 and C6 to C10: no window spans the gap.
+TEST(WindowChoice, begins_where_the_study_has_four_adjacent_levels) {
+  const std::vector<int> levels{0, 1, 2, 3, 6, 7, 8, 9, 10};
+  const auto choose = [&](const std::vector<std::pair<int, Count>>& tested) {
+    ColumnCounts counts = make_column(tested);
+    std::erase_if(counts, [](const LevelCount& count) { return count.level == 4 || count.level == 5; });
+    return choose_first_level(counts, levels, Rule::kPaper);
+  };
+  EXPECT_EQ(choose({{3, {12, 12}}, {6, {3, 12}}}), 6) << "wants C4";
+  EXPECT_EQ(choose({{2, {12, 12}}, {3, {3, 12}}}), 0) << "wants C1";
+  EXPECT_EQ(choose({{6, {12, 12}}, {7, {3, 12}}}), 6) << "wants C5";
+  EXPECT_EQ(choose({{10, {12, 12}}}), 7);
+  const ColumnCounts counts = make_column({{2, {3, 12}}});
+  EXPECT_THAT(message_of<InputError>([&] {
+                choose_first_level(counts, {0, 2, 4, 6, 8, 10}, Rule::kPaper);
+              }),
+              testing::HasSubstr("/clamp_levels: expected 4 adjacent clamp levels, got C0 C2 C4"));
 }
 
 TEST(WindowChoice, from_a_prediction_cuts_where_it_crosses_three_quarters) {
