@@ -66,20 +66,12 @@ void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
 
 }  // namespace
 
-SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
-                        const std::string& source) {
+std::optional<SubjectKind> find_kind(const std::vector<SessionRow>& sessions,
+                                     std::optional<SubjectKind> wanted, const std::string& source) {
   std::set<SubjectKind> kinds;
-  std::int64_t unfinished = 0;
   for (const SessionRow& session : sessions) {
     if (session.experiment != Experiment::kArtifact || (wanted && session.kind != *wanted)) continue;
     if (session.complete) kinds.insert(session.kind);
-    unfinished += session.complete ? 0 : 1;
-  }
-  if (kinds.empty()) {
-    throw InputError(source, "",
-                     wanted ? fmt::format("finished artifact sessions of the kind {}", format_kind(*wanted))
-                            : "finished artifact sessions",
-                     fmt::format("none ({} unfinished)", unfinished));
   }
   if (kinds.size() > 1) {
     std::vector<std::string> names;
@@ -87,7 +79,19 @@ SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<S
     throw InputError(source, "", "finished artifact sessions of one kind, or --kind to choose",
                      fmt::format("those of {}", fmt::join(names, " and ")));
   }
-  return *kinds.begin();
+  return kinds.empty() ? std::nullopt : std::optional(*kinds.begin());
+}
+
+SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
+                        const std::string& source) {
+  if (const auto found = find_kind(sessions, wanted, source)) return *found;
+  const auto unfinished = std::count_if(sessions.begin(), sessions.end(), [&](const SessionRow& session) {
+    return session.experiment == Experiment::kArtifact && (!wanted || session.kind == *wanted);
+  });
+  throw InputError(source, "",
+                   wanted ? fmt::format("finished artifact sessions of the kind {}", format_kind(*wanted))
+                          : "finished artifact sessions",
+                   fmt::format("none ({} unfinished)", unfinished));
 }
 
 ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,

@@ -36,6 +36,10 @@ struct Evidence {
 SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
                         const std::string& source);
 
+/// The same, empty where there is none.
+std::optional<SubjectKind> find_kind(const std::vector<SessionRow>& sessions,
+                                     std::optional<SubjectKind> wanted, const std::string& source);
+
 /// The sessions of a kind and experiment, without their answers. errors: InputError for a finished session
 /// that was made from another study.
 ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,
@@ -44,6 +48,13 @@ ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, Subj
 /// Reads the log of a study folder. errors: InputError without a log or without finished artifact sessions,
 /// and for a session.json that cannot be read.
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted);
+
+/// The same, empty without finished artifact sessions.
+std::optional<Evidence> find_evidence(const StudyFolder& folder, const Study& study,
+                                      std::optional<SubjectKind> wanted);
+
+/// The same of one kind, whatever there is of it, as of a log in a pool that nobody has finished.
+Evidence load_evidence_of(const StudyFolder& folder, const Study& study, SubjectKind kind);
 
 /// Adds the evidence of several logs of one study up; sessions get new numbers 1, 2, ... in the order of
 /// `parts`, and the folder of each beside it. errors: InputError for parts of different kinds, and for a

@@ -51,21 +51,49 @@ ExperimentEvidence load_experiment(const LogReading& reading, SubjectKind kind, 
   return evidence;
 }
 
+// A log as it stands in a folder.
+struct FolderLog {
+  explicit FolderLog(const StudyFolder& folder)
+      : log(TrialLog::load_snapshot(check_is_there(folder))),
+        reading{log, log.load_sessions(), load_session_protocol(folder.session()),
+                folder.responses().string()} {}
+
+  static std::filesystem::path check_is_there(const StudyFolder& folder) {
+    if (!std::filesystem::exists(folder.responses()))
+      throw InputError(folder.responses().string(), "", "the answers of `equilux-session`", "no file");
+    return folder.responses();
+  }
+
+  Evidence load(const Study& study, SubjectKind kind) const {
+    Evidence evidence;
+    evidence.kind = kind;
+    evidence.artifact = load_experiment(reading, kind, Experiment::kArtifact, study);
+    evidence.material = load_experiment(reading, kind, Experiment::kMaterial, study);
+    evidence.withdrawn = log.count_withdrawn();
+    return evidence;
+  }
+
+  TrialLog log;
+  LogReading reading;
+};
+
 }  // namespace
 
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted) {
-  const std::string source = folder.responses().string();
-  if (!std::filesystem::exists(folder.responses())) {
-    throw InputError(source, "", "the answers of `equilux-session`", "no file");
-  }
-  const TrialLog log = TrialLog::load_snapshot(folder.responses());
-  const LogReading reading{log, log.load_sessions(), load_session_protocol(folder.session()), source};
-  Evidence evidence;
-  evidence.kind = choose_kind(reading.sessions, wanted, source);
-  evidence.artifact = load_experiment(reading, evidence.kind, Experiment::kArtifact, study);
-  evidence.material = load_experiment(reading, evidence.kind, Experiment::kMaterial, study);
-  evidence.withdrawn = log.count_withdrawn();
-  return evidence;
+  const FolderLog found(folder);
+  return found.load(study, choose_kind(found.reading.sessions, wanted, found.reading.source));
+}
+
+std::optional<Evidence> find_evidence(const StudyFolder& folder, const Study& study,
+                                      std::optional<SubjectKind> wanted) {
+  const FolderLog found(folder);
+  const auto kind = find_kind(found.reading.sessions, wanted, found.reading.source);
+  if (!kind) return std::nullopt;
+  return found.load(study, *kind);
+}
+
+Evidence load_evidence_of(const StudyFolder& folder, const Study& study, SubjectKind kind) {
+  return FolderLog(folder).load(study, kind);
 }
 
 std::vector<std::string> find_used_selections(const TrialLog& log, SubjectKind kind) {

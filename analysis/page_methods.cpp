@@ -322,7 +322,13 @@ std::string format_provenance(const Report& report) {
   list.add_digests("study digest", {report.study.digest});
   if (report.manifest) list.add("rendering seed", fmt::format("{}", report.manifest->seed));
   if (report.windows) list.add_digests("windows in the folder", {report.windows->digest});
-  if (report.selection) {
+  for (const FolderSelection& selection : report.selections) {
+    const std::string of = fmt::format("selection of {}", escape_xml(selection.folder));
+    list.add(of, fmt::format("rule {}", selection.rule));
+    list.add_digests(of + ": digest", {selection.digest});
+    list.add_digests(of + ": made from answers", {selection.answers_digest});
+  }
+  if (report.selection && report.selections.empty()) {
     list.add("selection",
              fmt::format("rule {}, kind {}", report.selection->rule, format_kind(report.selection->kind)));
     list.add_digests("selection digest", {digest_selection(*report.selection)});

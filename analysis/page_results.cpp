@@ -225,7 +225,9 @@ std::string format_rule_differences(const Report& report) {
          fmt::format(
              "<p>The levels of the material experiment were chosen by one rule{}. These levels, which a rule "
              "would have kept, were not tested:</p>\n{}",
-             report.selection ? fmt::format(" (<i>{}</i>)", report.selection->rule) : "",
+             report.selection && !report.selection->rule.empty()
+                 ? fmt::format(" (<i>{}</i>)", report.selection->rule)
+                 : "",
              format_html_table(untested, 99));
 }
 

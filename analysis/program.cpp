@@ -1,6 +1,7 @@
 // The two subcommands: read the folder, compute, write, say so.
 #include "analysis/program.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <future>
 #include <map>
@@ -90,7 +91,7 @@ void refuse_unverified(const StudyFolder& folder, const Study& study, const Anal
 struct FolderReading {
   std::string name;
   Study study;
-  Evidence evidence;
+  std::optional<Evidence> evidence;  ///< empty: no finished artifact sessions; read_unfinished fills it
   ReportSources sources;
   std::vector<std::string> warnings;
 };
@@ -113,19 +114,40 @@ ReportSources load_sources(const StudyFolder& folder, const Study& study, Subjec
   return sources;
 }
 
-FolderReading read_folder(const StudyFolder& folder, const AnalyzeParams& params) {
-  FolderReading reading;
-  reading.name = folder.root.generic_string();
-  reading.study = load_folder_study(folder);
-  reading.evidence = load_evidence(folder, reading.study, params.kind);
-  reading.sources = load_sources(folder, reading.study, reading.evidence.kind);
-  reading.warnings = find_source_warnings(reading.study, reading.evidence, reading.sources);
+void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
+  reading.sources = load_sources(folder, reading.study, reading.evidence->kind);
+  reading.warnings = find_source_warnings(reading.study, *reading.evidence, reading.sources);
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
   if (params.verify) refuse_findings(findings, folder);
   if (!findings.empty())
     reading.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
                                            format_finding(findings.front())));
+}
+
+FolderReading read_folder(const StudyFolder& folder, const AnalyzeParams& params) {
+  FolderReading reading;
+  reading.name = folder.root.generic_string();
+  reading.study = load_folder_study(folder);
+  reading.evidence = find_evidence(folder, reading.study, params.kind);
+  if (reading.evidence) add_sources(reading, folder, params);
   return reading;
+}
+
+// In a pool a log that nobody has finished says who was left out; by itself it is refused.
+void read_unfinished(std::vector<FolderReading>& readings, const AnalyzeParams& params) {
+  const auto first = std::find_if(readings.begin(), readings.end(),
+                                  [](const FolderReading& reading) { return reading.evidence.has_value(); });
+  for (FolderReading& reading : readings) {
+    if (reading.evidence) continue;
+    const StudyFolder folder{reading.name};
+    if (first == readings.end()) load_evidence(folder, reading.study, params.kind);
+    const SubjectKind kind = first->evidence->kind;
+    reading.evidence = load_evidence_of(folder, reading.study, kind);
+    add_sources(reading, folder, params);
+    reading.warnings.push_back(
+        fmt::format("No artifact session of the kind {} is finished here: {} unfinished ones, none to count.",
+                    format_kind(kind), reading.evidence->artifact.unfinished));
+  }
 }
 
 // Sorted, so that the order on the command line changes nothing.
@@ -173,24 +195,50 @@ void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment
   }
 }
 
+bool has_answers(const FolderReading& reading) {
+  return !reading.evidence->artifact.finished.empty() || !reading.evidence->material.finished.empty();
+}
+
+// What stands beside answers that are counted; a folder without any has no say.
+ReportSources pool_counted(const std::vector<FolderReading>& readings, std::vector<std::string>& warnings) {
+  std::vector<PoolPart> parts;
+  std::vector<ReportSources> sources;
+  std::vector<std::string> names;
+  std::vector<ConvergenceExhibit> exhibits;
+  for (const FolderReading& reading : readings) {
+    if (!has_answers(reading)) {
+      exhibits.insert(exhibits.end(), reading.sources.convergences.begin(),
+                      reading.sources.convergences.end());
+      continue;
+    }
+    parts.push_back({reading.name, *reading.evidence, reading.sources});
+    sources.push_back(reading.sources);
+    names.push_back(reading.name);
+  }
+  for (const std::string& warning : find_pool_warnings(parts)) warnings.push_back(warning);
+  ReportSources all = pool_sources(std::move(sources), names);
+  all.convergences.insert(all.convergences.end(), exhibits.begin(), exhibits.end());
+  return all;
+}
+
 Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& params) {
+  read_unfinished(readings, params);
   std::vector<std::string> names, warnings;
   std::vector<Evidence> evidence;
-  std::vector<ReportSources> sources;
+  ReportSources sources = pool_counted(readings, warnings);
   for (FolderReading& reading : readings) {
     for (const std::string& warning : reading.warnings)
       warnings.push_back(readings.size() > 1 ? reading.name + ": " + warning : warning);
     names.push_back(reading.name);
-    evidence.push_back(std::move(reading.evidence));
-    sources.push_back(std::move(reading.sources));
+    evidence.push_back(std::move(*reading.evidence));
   }
   Evidence pool = pool_evidence(std::move(evidence), names);
   if (pool.kind == SubjectKind::kPerson) {
     warn_of_repeaters(pool.artifact, Experiment::kArtifact, warnings);
     warn_of_repeaters(pool.material, Experiment::kMaterial, warnings);
   }
-  Report report = make_pooled_report(readings.front().study, std::move(pool), params.rule,
-                                     pool_sources(std::move(sources)), params.uncertainty, warnings);
+  Report report = make_pooled_report(readings.front().study, std::move(pool), params.rule, std::move(sources),
+                                     params.uncertainty, warnings);
   if (names.size() > 1) report.folders = names;
   return report;
 }

@@ -34,6 +34,14 @@ struct SubjectsReport {
   OrderEffect order;
 };
 
+/// What a folder of a pool was pruned to.
+struct FolderSelection {
+  std::string folder;
+  std::string rule;
+  std::string digest;
+  std::string answers_digest;
+};
+
 /// Everything that a report says, before it is drawn. Pure: no clock, no file.
 struct Report {
   Study study;
@@ -59,6 +67,7 @@ struct Report {
   SubjectsReport material_subjects;
   /// Columns whose verdict under `rule` would be another without the marked sessions.
   std::vector<Column> flipped_without_marked;
+  std::vector<FolderSelection> selections = {};  ///< as ReportSources::selections
   std::vector<std::string> folders = {};  ///< study folders that were pooled, by name; empty: not known
   std::optional<SessionProtocol> protocol = {};  ///< of the folders; empty: there is none, or several
   std::optional<Truth> truth = {};               ///< the same of the planted truth; of planted answers only
@@ -72,15 +81,29 @@ struct ReportSources {
   std::vector<ConvergenceExhibit> convergences = {};
   std::optional<SessionProtocol> protocol = {};  ///< the folder's session.json; empty: there is none
   std::optional<Truth> truth = {};               ///< the folder's truth.json, for planted answers
+  /// Of a pool whose selections differ: each folder's. `selection` then says which levels any of them keeps;
+  /// its rule, cuts and digest of answers are empty where they are not the same in all.
+  std::vector<FolderSelection> selections = {};
 };
 
 /// What a reader should know of the answers beside these sources: sessions made from others, placeholders.
 std::vector<std::string> find_source_warnings(const Study& study, const Evidence& evidence,
                                               const ReportSources& sources);
 
+/// A folder of a pool: its name, what was answered there and about what.
+struct PoolPart {
+  std::string folder;
+  const Evidence& evidence;
+  const ReportSources& sources;
+};
+
+/// What a reader should know of answers that are added up: pictures or clamp windows of one folder are not
+/// those of another.
+std::vector<std::string> find_pool_warnings(const std::vector<PoolPart>& parts);
+
 /// The sources of several folders of one study as one: a column is dropped iff every selection drops it, and
-/// what is not the same in all is left out.
-ReportSources pool_sources(std::vector<ReportSources> parts);
+/// what is not the same in all is left out. `folders` names them.
+ReportSources pool_sources(std::vector<ReportSources> parts, const std::vector<std::string>& folders);
 
 /// errors: InputError for answers that the study does not allow.
 Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources,

@@ -256,6 +256,16 @@ Json make_experiment_json(const ExperimentEvidence& evidence) {
                   }));
 }
 
+Json make_selections_json(const std::vector<FolderSelection>& selections) {
+  Json rows{Json::Array{}};
+  for (const FolderSelection& selection : selections) {
+    Json row;
+    row.set("folder", selection.folder).set("rule", selection.rule).set("digest", selection.digest);
+    rows.push(std::move(row.set("answers_digest", selection.answers_digest)));
+  }
+  return rows;
+}
+
 Json make_study_json(const Report& report) {
   Json json;
   json.set("name", report.study.name).set("digest", report.study.digest);
@@ -264,7 +274,9 @@ Json make_study_json(const Report& report) {
   json.set("artifact", make_experiment_json(report.evidence.artifact));
   json.set("material", make_experiment_json(report.evidence.material));
   json.set("withdrawn", report.evidence.withdrawn);
-  if (report.selection) json.set("selection_digest", digest_selection(*report.selection));
+  if (report.selection && report.selections.empty())
+    json.set("selection_digest", digest_selection(*report.selection));
+  if (!report.selections.empty()) json.set("selections", make_selections_json(report.selections));
   if (report.windows) json.set("windows_digest", report.windows->digest);
   if (report.manifest) json.set("rendering_seed", report.manifest->seed);
   return json;

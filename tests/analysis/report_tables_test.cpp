@@ -258,6 +258,53 @@ TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
       << repeaters[0];
 }
 
+// Folder c, whose only subject gave up: alone it is refused, in a pool it says that it has nothing to count.
+TEST_F(Folders, of_a_pool_of_which_one_has_no_finished_session_count_the_others) {
+  make_answered_folder(temporary_ / "c", "pocket", 3, 0, 0);
+  const StudyFolder folder{temporary_ / "c"};
+  SessionRow row = make_fake_session(0, SubjectKind::kPlanted, Experiment::kArtifact);
+  row.digests.study = load_folder_study(folder).digest;
+  {
+    TrialLog log(folder.responses());
+    log.append_event(log.append_session(row, make_fake_trials(5)), "abort", 1, "felt ill");
+  }
+  fs::remove(folder.selection(SubjectKind::kPlanted));
+  EXPECT_THAT(message_of<InputError>([&] { load({"c"}); }),
+              testing::HasSubstr("expected finished artifact sessions, got none (1 unfinished)"));
+  EXPECT_THROW(load({"c", "n"}), InputError) << "the only one of its study";
+  const Report report = load({"a", "c"})[0], alone = load({"a"})[0];
+  EXPECT_EQ(report.artifact, alone.artifact);
+  EXPECT_EQ(report.material, alone.material);
+  EXPECT_EQ(report.folders.size(), 2U);
+  EXPECT_TRUE(report.selection) << "of a, since c has no say";
+  EXPECT_EQ(report.evidence.artifact.unfinished, 1);
+  EXPECT_EQ(report.artifact_subjects.sessions.size(), 13U);
+  EXPECT_THAT(report.warnings, testing::Contains(testing::HasSubstr(
+                                   "c: No artifact session of the kind planted is finished here: 1 "
+                                   "unfinished ones, none to count.")));
+}
+
+// A log whose sessions recorded other pictures than those of folder a.
+TEST_F(Folders, with_other_pictures_are_pooled_with_a_warning_that_names_them) {
+  EXPECT_THAT(load({"a", "b"})[0].warnings,
+              testing::Not(testing::Contains(testing::HasSubstr("different pictures"))));
+  const StudyFolder folder{temporary_ / "b"};
+  const Study study = load_folder_study(folder);
+  SessionRow row = make_fake_session(50, SubjectKind::kPlanted, Experiment::kArtifact);
+  row.digests.study = study.digest;
+  row.digests.manifest = "another set";
+  {
+    TrialLog log(folder.responses());
+    log.finish_session(log.append_session(row, make_person_trials(study, 8)), 1);
+  }
+  const Report report = load({"a", "b"})[0];
+  EXPECT_THAT(report.warnings, testing::Contains(testing::HasSubstr("different pictures are added up")));
+  EXPECT_THAT(report.warnings, testing::Contains(testing::HasSubstr("/b (another set...)")));
+  EXPECT_EQ(report.selections.size(), 2U) << "each was pruned by itself";
+  const Json json = make_report_json({report});
+  EXPECT_EQ(json.at("studies").as_array()[0].at("selections").as_array().size(), 2U);
+}
+
 TEST_F(Folders, make_tables_whose_every_column_is_explained) {
   const auto reports = load({"a", "n"});
   auto tables = make_report_tables(reports);
