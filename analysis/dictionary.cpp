@@ -49,7 +49,8 @@ constexpr DictionaryEntry kDictionary[] = {
     {"thresholds.csv", "untested", "string",
      "levels that the rule keeps for the material experiment, without answers"},
     {"thresholds.csv", "cut_lower", "string",
-     "least clamped end of the 95 % range of cuts when subjects are drawn again; none: no level"},
+     "least clamped end of the 95 % range of cuts when subjects are drawn again; none: no level; one that is "
+     "more clamped than all that were tested: it or more clamped"},
     {"thresholds.csv", "cut_upper", "string", "most clamped end of it; none: no level"},
     {"ee.csv", "ee_paper", "boolean",
      "whether some clamp level is free of artifacts and of the same material"},
@@ -101,6 +102,10 @@ constexpr DictionaryEntry kDictionary[] = {
      "side, fast, catch, disagrees: look twice; the session counts all the same"},
     {"subjects.csv", "abort_reason", "string",
      "why the session was ended early, as the experimenter wrote it; empty otherwise"},
+    {"subjects.csv", "turns_paper", "string",
+     "columns whose verdict is another without this person, in all sessions of both experiments; of a person "
+     "who has several it stands at one, of the artifact experiment if there is one"},
+    {"subjects.csv", "turns_isotonic", "string", "the same under the rule isotonic"},
     {"order.csv", "subjects", "integer", "persons with a finished session"},
     {"order.csv", "correct", "number",
      "mean over subjects of proportion correct, second half less first half"},

@@ -1,6 +1,7 @@
 // The page's doubts: how sure verdicts are, which trends hold, how subjects did, and where numbers come from.
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 #include "analysis/markup.h"
 #include "analysis/page_sections.h"
@@ -16,10 +17,55 @@ std::string format_share(const std::optional<double>& value) {
   return value ? fmt::format("{:.2f}", *value) : kDash;
 }
 
-std::string format_range(const std::optional<CutRange>& range, const Study& study) {
+// Levels that an experiment tested in a column.
+std::vector<int> find_tested(const ColumnCounts& counts) {
+  std::vector<int> tested;
+  for (const LevelCount& level : counts) {
+    if (level.count.n > 0) tested.push_back(level.level);
+  }
+  return tested;
+}
+
+// "&ge; C8" where no tested level bounds a cut from there on: it may be more clamped.
+std::string format_end(int place, const std::vector<int>& tested, Experiment experiment, const Study& study) {
+  const std::string level = format_place(place, study);
+  if (tested.empty() || level == "none") return level;
+  if (experiment == Experiment::kArtifact) {
+    if (place > tested.back()) return "&ge; " + level;
+    return place <= tested.front() && place > study.clamp_levels.front() ? "&le; " + level : level;
+  }
+  return place >= tested.back() && place < study.clamp_levels.back() ? "&ge; " + level : level;
+}
+
+std::string format_range(const std::optional<CutRange>& range, const ColumnCounts& counts,
+                         Experiment experiment, const Study& study) {
   if (!range) return kDash;
-  const std::string lower = format_place(range->lower, study), upper = format_place(range->upper, study);
+  const std::vector<int> tested = find_tested(counts);
+  const std::string lower = format_end(range->lower, tested, experiment, study),
+                    upper = format_end(range->upper, tested, experiment, study);
   return range->lower == range->upper ? lower : fmt::format("{} to {}", lower, upper);
+}
+
+// The range, and whether the cut lies beyond the tested levels.
+std::string format_cut_range(const std::optional<CutRange>& range, const ColumnCounts& counts,
+                             const Threshold& threshold, Experiment experiment, const Study& study) {
+  const bool is_beyond =
+      threshold.status == CutStatus::kCensoredLow || threshold.status == CutStatus::kCensoredHigh;
+  return format_range(range, counts, experiment, study) +
+         (is_beyond ? fmt::format(" <span class=\"note\">{}</span>", format_status(threshold.status)) : "");
+}
+
+// Whether a verdict stands on levels alone that were not tested for artifacts: no level that is equivalent
+// was asked about in both experiments, or none is and the levels that might be are less clamped than the
+// window, where the rule takes artifacts for granted.
+bool rests_on_untested(const ColumnFinding& column, Rule rule) {
+  const RuleFinding& finding = column.under(rule);
+  if (finding.verdict == Verdict::kNone) return finding.artifact.status == CutStatus::kCensoredLow;
+  for (std::size_t i = 0; i < finding.regions.size(); ++i) {
+    if (finding.regions[i] == Region::kEquivalent && is_observed(column, Region::kEquivalent, i))
+      return false;
+  }
+  return true;
 }
 
 std::string format_small(double p) { return p < 0.0001 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
@@ -53,13 +99,15 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
           count_flips(column, report.rule),
           mark_verdict(report.at_other_percents[0][c].under(report.rule)),
           mark_verdict(report.at_other_percents[1][c].under(report.rule)),
-          format_range(under.artifact_cut, report.study),
-          format_range(under.material_cut, report.study),
+          format_cut_range(under.artifact_cut, finding.artifact, finding.under(report.rule).artifact,
+                           Experiment::kArtifact, report.study),
+          format_cut_range(under.material_cut, finding.material, finding.under(report.rule).material,
+                           Experiment::kMaterial, report.study),
           column.status == UncertaintyStatus::kEstimated ? "" : format_uncertainty_status(column.status)};
 }
 
 struct Firmness {
-  std::size_t firm = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
+  std::size_t firm = 0, assumed = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
 };
 
 // Verdicts that nineteen of twenty resamples and draws share, and those that a trifle turns.
@@ -74,7 +122,8 @@ Firmness count_firm(const Report& report) {
     ++sum.judged;
     const bool exists = finding.verdict == Verdict::kExists;
     const auto sure = [&](double share) { return exists ? share >= 0.95 : share <= 0.05; };
-    sum.firm += sure(*under.posterior) && sure(*under.bootstrap) ? 1 : 0;
+    if (sure(*under.posterior) && sure(*under.bootstrap))
+      ++(rests_on_untested(report.findings[c], report.rule) ? sum.assumed : sum.firm);
     sum.by_one += under.artifact_flips.empty() && under.material_flips.empty() ? 0 : 1;
     sum.by_cut += report.at_other_percents[0][c].under(report.rule).verdict != finding.verdict ||
                           report.at_other_percents[1][c].under(report.rule).verdict != finding.verdict
@@ -82,6 +131,35 @@ Firmness count_firm(const Report& report) {
                       : 0;
   }
   return sum;
+}
+
+std::string format_assumed(std::size_t columns) {
+  if (columns == 0) return "";
+  return fmt::format(
+      " ({} more would, but stand on levels alone that were never tested for artifacts, of which the rule "
+      "allows no doubt)",
+      columns);
+}
+
+// Flagged iff 4 k >= 3 n: what leaving one out makes of the cell that is nearest to being flagged.
+std::string describe_leaving_out(const Report& report) {
+  std::set<std::int64_t> sizes;
+  for (const Tally* tally : {&report.artifact, &report.material}) {
+    for (const auto& [cell, count] : *tally) {
+      if (count.n > 1) sizes.insert(count.n);
+    }
+  }
+  std::vector<std::string> texts;
+  for (const std::int64_t n : sizes) {
+    const std::int64_t k = (3 * n + 3) / 4 - 1;
+    if (is_flagged({k, n - 1}) || texts.size() == 4) continue;
+    texts.push_back(fmt::format("{} of {} becomes {} of {} at most", k, n, k, n - 1));
+  }
+  if (texts.empty()) return "";
+  return fmt::format(
+      " Leaving one out cannot see how near a cell is to being flagged that is not: {}, not flagged either, "
+      "though one more right answer would flag it.",
+      fmt::join(texts, "; "));
 }
 
 std::vector<std::string> trend_fields(const Trend& trend) {
@@ -173,28 +251,34 @@ std::string format_uncertainty(const Report& report) {
   return fmt::format(
              "<p>Of {} columns with answers in both experiments, {} have a verdict that at least 95&nbsp;% "
              "of both "
-             "posterior draws and resamples of subjects share; in {} leaving out a single subject turns it, "
+             "posterior draws and resamples of subjects share{}; in {} leaving out a single subject turns "
+             "it, "
              "and in "
              "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. Equivalence exists in {} "
              "columns, of "
              "which {} {} supported.</p>\n",
-             sum.judged, sum.firm, sum.by_one, sum.by_cut, sum.exists, sum.supported,
-             sum.supported == 1 ? "is" : "are") +
+             sum.judged, sum.firm, format_assumed(sum.assumed), sum.by_one, sum.by_cut, sum.exists,
+             sum.supported, sum.supported == 1 ? "is" : "are") +
          fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
                      format_html_table(table, 99)) +
          fmt::format(
              "<p class=\"note\">Posterior: probability that equivalence exists, each cell&rsquo;s proportion "
              "drawn "
-             "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; it grants "
-             "only the "
-             "levels that were tested. Resampled: share of {} samples of subjects, drawn again with "
+             "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; levels beyond "
+             "the window it takes as the rule does, less clamped ones to have artifacts and more clamped "
+             "ones to be free of them, without doubt. Resampled: share of {} samples of subjects, drawn "
+             "again with "
              "replacement in "
              "each experiment, in which it exists; the cuts are 95&nbsp;% ranges over them, under paper "
              "widened to those under isotonic, and "
-             "&ldquo;none&rdquo; stands for no level. Turned by one: subjects without any one of whom the "
+             "&ldquo;none&rdquo; stands for no level, &ldquo;&ge; C8&rdquo; for C8 and more clamped, not "
+             "tested, &ldquo;&le;&rdquo; for less clamped; censored_low and censored_high: the cut itself "
+             "lies beyond the tested levels. Turned by one: subjects without any one of whom the "
              "verdict "
-             "is another. Seed {}. From <code>ee.csv</code> and <code>thresholds.csv</code>.</p>\n",
-             report.params.posterior_draws, report.params.resamples, report.params.seed);
+             "is another, by name in <code>subjects.csv</code>.{} Seed {}. From <code>ee.csv</code> and "
+             "<code>thresholds.csv</code>.</p>\n",
+             report.params.posterior_draws, report.params.resamples, describe_leaving_out(report),
+             report.params.seed);
 }
 
 std::string format_trends(const Report& report) {

@@ -16,6 +16,16 @@ std::size_t count_verdicts(const Report& report, Verdict verdict) {
       [&](const ColumnFinding& finding) { return finding.under(report.rule).verdict == verdict; }));
 }
 
+// Columns in which none is equivalent, without an answer of the material experiment.
+std::size_t count_unasked(const Report& report) {
+  return static_cast<std::size_t>(
+      std::count_if(report.findings.begin(), report.findings.end(), [&](const ColumnFinding& finding) {
+        const auto has_answers = [](const LevelCount& level) { return level.count.n > 0; };
+        return finding.under(report.rule).verdict == Verdict::kNone &&
+               std::none_of(finding.material.begin(), finding.material.end(), has_answers);
+      }));
+}
+
 std::string format_square(const Column& column, const RuleFinding& finding) {
   const char* sign = finding.verdict == Verdict::kExists ? "+"
                      : finding.verdict == Verdict::kNone ? "&minus;"
@@ -161,6 +171,10 @@ std::string format_summary(const Report& report) {
       "(an object at a VPL count); in {} none is.",
       format_rule(report.rule), count_verdicts(report, Verdict::kExists), report.findings.size(),
       count_verdicts(report, Verdict::kNone));
+  if (const std::size_t unasked = count_unasked(report); unasked > 0) {
+    text += fmt::format(
+        " Of the latter nobody was asked about the material in {}: no level was left to ask about.", unasked);
+  }
   if (const auto untested = count_verdicts(report, Verdict::kUntested); untested > 0) {
     text += fmt::format(" {} {} not tested to the end.", untested, untested == 1 ? "is" : "are");
   }

@@ -104,6 +104,18 @@ Table make_ee(const Report& report) {
   return widen(make_ee_table(report.findings), report.study.name, columns, more);
 }
 
+// Columns whose verdict is another without the person of this session, where that person stands by it.
+std::string format_turned(const Report& report, Experiment experiment, std::int64_t session, Rule rule) {
+  std::vector<std::string> keys;
+  for (std::size_t c = 0; c < report.findings.size(); ++c) {
+    const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
+    const auto& flips = experiment == Experiment::kArtifact ? under.artifact_flips : under.material_flips;
+    if (std::binary_search(flips.begin(), flips.end(), session))
+      keys.push_back(format_key(report.findings[c].column));
+  }
+  return fmt::format("{}", fmt::join(keys, " "));
+}
+
 Row subject_row(const Report& report, Experiment experiment, const SubjectFinding& finding) {
   const SessionSummary& s = finding.summary;
   return {report.study.name,
@@ -125,7 +137,9 @@ Row subject_row(const Report& report, Experiment experiment, const SubjectFindin
           s.catch_pass ? format_int(*s.catch_pass) : "",
           format_number(finding.agreement),
           format_marks(finding.marks),
-          s.abort_reason.value_or("")};
+          s.abort_reason.value_or(""),
+          format_turned(report, experiment, s.session, Rule::kPaper),
+          format_turned(report, experiment, s.session, Rule::kIsotonic)};
 }
 
 const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
@@ -133,11 +147,11 @@ const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
 }
 
 Table make_subjects(const std::vector<Report>& reports) {
-  Table table{
-      {"study",         "experiment",     "session",    "participant", "folder", "subject_index", "complete",
-       "scheduled",     "answered",       "correct",    "left",        "p_side", "median_s",      "too_fast",
-       "catch_correct", "catch_answered", "catch_pass", "agreement",   "marks",  "abort_reason"},
-      {}};
+  Table table{{"study",    "experiment",   "session",       "participant",    "folder",     "subject_index",
+               "complete", "scheduled",    "answered",      "correct",        "left",       "p_side",
+               "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass", "agreement",
+               "marks",    "abort_reason", "turns_paper",   "turns_isotonic"},
+              {}};
   for (const Report& report : reports) {
     for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
       for (const SubjectFinding& finding : subjects_of(report, experiment).sessions)

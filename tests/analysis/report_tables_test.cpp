@@ -354,6 +354,27 @@ TEST_F(Folders, have_the_same_sums_in_every_file) {
   EXPECT_EQ(parse_json(format_json(json), "report.json"), json);
 }
 
+// A person without whom a verdict is another is named once for each such column.
+TEST_F(Folders, name_in_subjects_whom_the_flips_of_ee_count) {
+  const auto tables = make_report_tables(load({"b", "n"}));
+  const Table &subjects = find_table(tables, "subjects.csv"), &ee = find_table(tables, "ee.csv");
+  std::int64_t all = 0;
+  for (const std::string rule : {"paper", "isotonic"}) {
+    std::int64_t named = 0, counted = 0;
+    for (const auto& row : subjects.rows) {
+      const std::string& keys = row[place_of(subjects, "turns_" + rule)];
+      named += keys.empty() ? 0 : 1 + std::count(keys.begin(), keys.end(), ' ');
+    }
+    for (const auto& row : ee.rows) {
+      const std::string& flips = row[place_of(ee, "flips_" + rule)];
+      counted += flips.empty() ? 0 : std::stoll(flips);
+    }
+    EXPECT_EQ(named, counted) << rule;
+    all += named;
+  }
+  EXPECT_GT(all, 0);
+}
+
 TEST_F(Folders, write_no_number_that_is_not_finite) {
   for (const ReportTable& table : make_report_tables(load({"a", "b", "n"}))) {
     for (const auto& row : table.table.rows) {

@@ -269,6 +269,51 @@ TEST(PoolWarnings, name_the_folders_whose_pictures_or_windows_differ) {
   EXPECT_TRUE(has(warnings()[0], "b (wwwwwwwwwwww...)"));
 }
 
+// The first column of the pocket study alone: 12 and 14 subjects, of whom the first k were right.
+PlantedStudy answer_column(const std::map<int, int>& artifact, const std::map<int, int>& material) {
+  PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const Column column = enumerate_columns(planted.study).front();
+  const auto answer = [&](std::vector<AnswerRow>& answers, const std::map<int, int>& cells, int subjects) {
+    answers.clear();
+    for (int subject = 0; subject < subjects; ++subject) {
+      for (const auto& [level, k] : cells)
+        answers.push_back({subject + 1, subject, Cell{column, level, false}, subject < k});
+    }
+  };
+  answer(planted.artifact, artifact, 12);
+  answer(planted.material, material, 14);
+  return planted;
+}
+
+// Artifacts at every tested level, C1 to C4: the rule takes C5 to C10 to be free of them, and all agree.
+TEST(Report, says_of_what_was_never_tested_for_artifacts_that_it_is_taken_for_granted) {
+  const std::map<int, int> material{{5, 3}, {7, 3}, {9, 3}, {10, 3}};
+  const std::string beyond =
+      format_page({make_planted_report(answer_column({{1, 12}, {2, 12}, {3, 12}, {4, 12}}, material))});
+  EXPECT_TRUE(has(beyond, "in both experiments, 0 have a verdict"));
+  EXPECT_TRUE(has(beyond, "(1 more would, but stand on levels alone that were never tested for artifacts"));
+  EXPECT_TRUE(has(beyond, "&ge; C5 <span class=\"note\">censored_high</span>"));
+  EXPECT_FALSE(has(beyond, "it grants only"));
+  const std::string within =
+      format_page({make_planted_report(answer_column({{3, 12}, {4, 12}, {5, 1}, {6, 1}}, material))});
+  EXPECT_TRUE(has(within, "in both experiments, 1 have a verdict"));
+  EXPECT_FALSE(has(within, "never tested for artifacts, of which"));
+  EXPECT_TRUE(has(within, "<td>C5</td>"));
+  const std::string free =
+      format_page({make_planted_report(answer_column({{5, 1}, {6, 1}, {7, 1}, {8, 1}}, material))});
+  EXPECT_TRUE(has(free, "&le; C5 <span class=\"note\">censored_low</span>"));
+  EXPECT_TRUE(has(free, "8 of 12 becomes 8 of 11 at most")) << "what leaving one out cannot see";
+}
+
+TEST(Report, tells_columns_in_which_nobody_was_asked_about_the_material_apart) {
+  const auto page = [](const std::map<int, int>& artifact, const std::map<int, int>& material) {
+    return format_page({make_planted_report(answer_column(artifact, material))});
+  };
+  EXPECT_TRUE(has(page({{7, 12}, {8, 12}, {9, 12}, {10, 12}}, {}),
+                  "in 1 none is. Of the latter nobody was asked about the material in 1: no level was left"));
+  EXPECT_FALSE(has(page({{7, 12}, {8, 12}, {9, 1}, {10, 1}}, {{9, 14}, {10, 14}}), "Of the latter"));
+}
+
 TEST(Report, warns_of_a_selection_that_is_missing_or_another_than_the_sessions_used) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
   Report report = make_planted_report(planted);
