@@ -74,11 +74,35 @@ std::string format_interval(const std::optional<Interval>& interval) {
   return interval ? fmt::format("{:+.2f} to {:+.2f}", interval->lower, interval->upper) : kDash;
 }
 
-std::string mark_verdict(const RuleFinding& finding) {
-  const char* sign = finding.verdict == Verdict::kExists ? "+"
-                     : finding.verdict == Verdict::kNone ? "&minus;"
-                                                         : "?";
-  return finding.supported.empty() ? sign : std::string(sign) + " supported";
+const char* mark_verdict(const RuleFinding& finding) {
+  return finding.verdict == Verdict::kExists ? "+" : finding.verdict == Verdict::kNone ? "&minus;" : "?";
+}
+
+std::string format_clamp_or_none(int level) { return level == 0 ? "&infin;" : format_clamp_value(level); }
+
+// "C7 C8 (c 0.316 to 0.1), supported: C8"
+std::string format_green(const RuleFinding& finding) {
+  if (finding.green.empty()) return kDash;
+  const std::string first = format_clamp_or_none(finding.green.front()),
+                    last = format_clamp_or_none(finding.green.back());
+  return fmt::format("{} (c {}){}", format_levels(finding.green),
+                     first == last ? first : fmt::format("{} to {}", first, last),
+                     finding.supported.empty() ? "" : ", supported: " + format_levels(finding.supported));
+}
+
+// Why a column has no numbers of uncertainty, or not all.
+const char* explain_status(UncertaintyStatus status) {
+  switch (status) {
+    case UncertaintyStatus::kEstimated:
+      break;
+    case UncertaintyStatus::kUntested:
+      return "an experiment has no answers here";
+    case UncertaintyStatus::kOneSubject:
+      return "one subject: nobody to draw again";
+    case UncertaintyStatus::kNoCandidates:
+      return "no level is free of artifacts";
+  }
+  return "";
 }
 
 // The subject numbers of a column whose leaving out turns the verdict, both experiments.
@@ -94,6 +118,7 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
   const RuleUncertainty& under = column.under(report.rule);
   return {escape_xml(format_key(finding.column)),
           mark_verdict(finding.under(report.rule)),
+          format_green(finding.under(report.rule)),
           format_share(under.posterior),
           format_share(under.bootstrap),
           count_flips(column, report.rule),
@@ -103,7 +128,7 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
                            Experiment::kArtifact, report.study),
           format_cut_range(under.material_cut, finding.material, finding.under(report.rule).material,
                            Experiment::kMaterial, report.study),
-          column.status == UncertaintyStatus::kEstimated ? "" : format_uncertainty_status(column.status)};
+          explain_status(column.status)};
 }
 
 struct Firmness {
@@ -187,7 +212,7 @@ std::string format_standing(const SubjectFinding& finding) {
 std::string format_catch(const SessionSummary& summary) {
   if (summary.caught.n == 0) return kDash;
   return fmt::format("{} of {}{}", summary.caught.k, summary.caught.n,
-                     summary.catch_pass ? fmt::format(", {} asked", *summary.catch_pass) : "");
+                     summary.catch_pass ? fmt::format(" (at least {})", *summary.catch_pass) : "");
 }
 
 std::vector<std::string> subject_fields(Experiment experiment, const SubjectFinding& finding) {
@@ -243,8 +268,8 @@ std::string format_flipped(const Report& report) {
 }  // namespace
 
 std::string format_uncertainty(const Report& report) {
-  Table table{{"column", "EE", "posterior", "resampled", "turned by one", "EE at 70 %", "EE at 80 %",
-               "artifact cut", "material cut", ""},
+  Table table{{"column", "EE", "levels", "posterior", "resampled", "turned by one", "EE at 70 %",
+               "EE at 80 %", "artifact cut", "material cut", "remark"},
               {}};
   for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
   const Firmness sum = count_firm(report);
@@ -262,7 +287,12 @@ std::string format_uncertainty(const Report& report) {
          fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
                      format_html_table(table, 99)) +
          fmt::format(
-             "<p class=\"note\">Posterior: probability that equivalence exists, each cell&rsquo;s proportion "
+             "<p class=\"note\">EE, equivalence exists: + at some level, &minus; at none, ? not tested to "
+             "the end. "
+             "Levels: those found equivalent, with their greatest and least c in 1/m&sup2;; the first takes "
+             "the least "
+             "light from the object. Posterior: probability that equivalence exists, each cell&rsquo;s "
+             "proportion "
              "drawn "
              "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; levels beyond "
              "the window it takes as the rule does, less clamped ones to have artifacts and more clamped "
@@ -283,7 +313,7 @@ std::string format_uncertainty(const Report& report) {
 
 std::string format_trends(const Report& report) {
   if (report.trends.empty()) return "<p>No factor of this study has two levels.</p>\n";
-  Table table{{"along", "", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm"}, {}};
+  Table table{{"along", "verdict", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm"}, {}};
   std::string sentences;
   for (const Trend& trend : report.trends) {
     table.rows.push_back(trend_fields(trend));
@@ -305,7 +335,7 @@ std::string format_trends(const Report& report) {
 
 std::string format_subjects(const Report& report) {
   Table table{{"experiment", "participant", "marks", "answered", "correct", "left", "p of side", "median, s",
-               "too fast", "catch", "agreement"},
+               "too fast", "catch trials right", "agreement"},
               {}};
   for (const SubjectFinding& finding : report.artifact_subjects.sessions)
     table.rows.push_back(subject_fields(Experiment::kArtifact, finding));
@@ -316,7 +346,14 @@ std::string format_subjects(const Report& report) {
          format_order(report.material_subjects.order, Experiment::kMaterial) + "</ul>\n" +
          fmt::format("<details><summary>Each of the {} sessions</summary>\n{}</details>\n", table.rows.size(),
                      format_html_table(table, 3)) +
-         "<p class=\"note\">The rules: only finished sessions count; one that was aborted is "
+         "<p class=\"note\">Correct, left: shares of the answers. p of side: left against one half, "
+         "two-sided exact "
+         "binomial. Median: from onset to press. Catch trials right: of those answered, in brackets the "
+         "least that the "
+         "session&rsquo;s protocol asks for. Agreement: share of cells where the subject was right if and "
+         "only if most "
+         "of the others were, ties left out.</p>\n<p class=\"note\">The rules: only finished sessions count; "
+         "one that was aborted is "
          "shown here "
          "and left out everywhere else; of one who withdrew nothing is left. A finished one always counts, "
          "and is marked where a reader should "

@@ -77,6 +77,17 @@ std::string format_rule_text(Rule rule) {
          "3&Sigma;n; the rest as under <i>paper</i>.";
 }
 
+constexpr const char* kCellsNote =
+    "<p class=\"note\">k of n subjects were correct; a dot: flagged, at 75&nbsp;% or more. Intervals: "
+    "two-sided, "
+    "95&nbsp;%, of the proportion correct, each for its cell alone. p by guessing: probability of k or more "
+    "of n at one "
+    "half, one-sided, exact. q: the same after Benjamini and Hochberg, over the tested cells of the "
+    "experiment. "
+    "P(over 75&nbsp;%): posterior probability that the true proportion is 75&nbsp;% or more, from "
+    "Jeffreys&rsquo; prior, "
+    "Beta(1/2, 1/2), as for the interval of that name. From <code>cells.csv</code>.</p>\n";
+
 struct NoiseMeasure {
   const char* member;
   const char* name;
@@ -281,7 +292,8 @@ std::string format_checks(const Report& report) {
 std::string format_noise(const Report& report) {
   const std::size_t references = count_measured_references(report);
   if (references == 0) return "";
-  Table table{{"standard error, display steps of 255", "noisiest reference", "", "measured", "target"}, {}};
+  Table table{{"standard error, display steps of 255", "noisiest reference", "verdict", "measured", "target"},
+              {}};
   const NoiseTarget& target = report.study.noise_target;
   for (const NoiseMeasure& measure :
        {NoiseMeasure{"object_mean", "object, mean", target.object_mean},
@@ -291,7 +303,11 @@ std::string format_noise(const Report& report) {
   }
   return fmt::format(
       "<section>\n<h2>Noise of the references</h2>\n<p>The noisiest of {} references against the "
-      "study&rsquo;s target.</p>\n{}{}</section>\n",
+      "study&rsquo;s target.</p>\n{}<p class=\"note\">Of a pixel: half the difference that one standard "
+      "error to "
+      "either side makes on the screen, in the channel where it is largest; then mean and percentile over "
+      "the pixels "
+      "of the object, or the rest. From <code>manifest.json</code>.</p>\n{}</section>\n",
       references, format_html_table(table, 3), format_checks(report));
 }
 
@@ -308,9 +324,10 @@ std::string format_cells(const Report& report) {
     }
   }
   return fmt::format(
-      "<details><summary>The {} tested cells; <code>cells.csv</code> has the untested ones "
-      "too</summary>\n{}</details>\n",
-      table.rows.size(), format_html_table(table, 3));
+             "<details><summary>The {} tested cells; <code>cells.csv</code> has the untested ones "
+             "too</summary>\n{}</details>\n",
+             table.rows.size(), format_html_table(table, 3)) +
+         kCellsNote;
 }
 
 std::string format_provenance(const Report& report) {

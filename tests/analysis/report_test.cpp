@@ -169,7 +169,7 @@ ReportSources make_sources(const PlantedStudy& planted) {
   sources.manifest->seed = 1;
   sources.manifest->pictures["G0-MS-ind-1k-C4-v0"] = {"pictures/a.png", "aaaa", "", nullptr};
   sources.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/b.png", "bbbb", "", nullptr};
-  sources.protocol = "protocol";
+  sources.protocol = load_session_protocol(planted.study.session_path);
   return sources;
 }
 
@@ -200,7 +200,7 @@ TEST(PoolSources, leaves_out_a_manifest_of_other_pictures_or_another_seed_and_ot
   EXPECT_FALSE(pool_sources({other, one}, {"a", "b"}).manifest);
   other = one;
   other.windows->digest = std::string(64, 'e');
-  other.protocol = "another";
+  other.protocol->digest = std::string(64, 'e');
   EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).windows);
   EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).protocol);
 }
@@ -408,6 +408,34 @@ TEST(Report, says_how_references_by_vpl_sets_agree_with_path_tracing) {
       "In 1 of them indirect light, of the object, the room or both, is the mean of independent VPL sets"));
   EXPECT_TRUE(has(page, "over 3 regions the differences are 4.08 standard errors"));
   EXPECT_TRUE(has(page, "at most 5.0 (G0-MS-ind-ref-v0, room, r3c3)"));
+}
+
+// G0-GS-ind-100k is planted green from C4 to C7; of its material levels C6 and C8 are neighbours.
+TEST(Report, names_the_levels_to_use_and_their_clamps) {
+  const Report report = make_planted_report(make_planted_study("pocket", 200, 200, 1, 0));
+  const std::string page = format_page({report});
+  EXPECT_TRUE(has(page, "G0-GS-ind-100k</td><td>+</td><td>C4 C5 C6 (c 10 to 1), supported: C4</td>"))
+      << page.substr(page.find("G0-GS-ind-100k</td><td>+"), 200);
+  EXPECT_TRUE(has(page, "G0-MS-ind-1k</td><td>&minus;</td><td>&ndash;</td>"));
+}
+
+TEST(Report, has_no_table_with_a_column_that_is_not_named) {
+  Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  std::string page = format_page({report});
+  EXPECT_FALSE(has(page, "<th class=\"number\"></th>"));
+  for (const char* corner : {"<thead><tr><th></th><th>artifact experiment", "<thead><tr><th></th><th>MS"}) {
+    for (std::size_t at; (at = page.find(corner)) != std::string::npos;) page.erase(at, 20);
+  }
+  EXPECT_FALSE(has(page, "<th></th>")) << page.substr(page.find("<th></th>"), 200);
+}
+
+TEST(Report, explains_what_its_tables_abbreviate) {
+  const std::string page = format_page({make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02))});
+  for (const char* told :
+       {"EE, equivalence exists", "two-sided, 95&nbsp;%, of the proportion correct",
+        "one half, one-sided, exact", "Benjamini and Hochberg, over the tested cells", "Beta(1/2, 1/2)",
+        "the least that the session&rsquo;s protocol", "if and only if most of the others were"})
+    EXPECT_TRUE(has(page, told)) << told;
 }
 
 TEST(Report, lists_columns_whose_flags_go_back_and_forth) {
