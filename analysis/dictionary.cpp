@@ -126,6 +126,7 @@ constexpr DictionaryEntry kDictionary[] = {
      "lower end of its 95 % interval: the effect less the farther end when subjects are drawn again"},
     {"trends.csv", "upper", "number", "upper end of it"},
     {"trends.csv", "p", "number", "two-sided exact p: EE permuted within strata"},
+    {"trends.csv", "p_least", "number", "the least p that any verdicts of these columns could give"},
     {"trends.csv", "p_holm", "number", "the same after Holm, over the trends of the study"},
     {"trends.csv", "holds", "boolean", "p_holm is 0.05 or less and the interval leaves out 0"},
     {"trends.csv", "sentence", "string", "the same in words"},

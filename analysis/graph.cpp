@@ -175,7 +175,7 @@ std::string draw_legend(const std::string& name) {
   const Entry entries[] = {{Region::kArtifact, "artifacts seen (from below)"},
                            {Region::kChanged, "material looked different (from above)"},
                            {Region::kBoth, "both"},
-                           {Region::kEquivalent, "visually equivalent"},
+                           {Region::kEquivalent, "not shown to be different"},
                            {Region::kUntested, "not tested enough to say"}};
   std::string svg = open_svg(720, 70, 1, "Key to the graphs") + draw_hatches(prefix);
   double x = 2;

@@ -27,25 +27,26 @@ std::string format_title(const Report& report, bool alone) {
 }
 
 std::string format_study(const Report& report, bool alone) {
-  return fill_template(kStudyTemplate, {{"name", escape_xml(report.study.name)},
-                                        {"title", format_title(report, alone)},
-                                        {"warnings", format_warnings(report)},
-                                        {"asked", format_asked(report)},
-                                        {"answered", format_answered(report)},
-                                        {"ee", format_ee_squares(report)},
-                                        {"star_note", format_star_note(report)},
-                                        {"legend", draw_legend(report.study.name)},
-                                        {"graphs", format_graphs(report)},
-                                        {"uncertainty", format_uncertainty(report)},
-                                        {"trends", format_trends(report)},
-                                        {"subjects", format_subjects(report)},
-                                        {"counting", format_counting(report)},
-                                        {"monotone", format_monotone(report)},
-                                        {"rules", format_rule_differences(report)},
-                                        {"noise", format_noise(report)},
-                                        {"convergences", format_convergences(report)},
-                                        {"cells", format_cells(report)},
-                                        {"provenance", format_provenance(report)}});
+  return fill_template(kStudyTemplate,
+                       {{"name", escape_xml(report.study.name)},
+                        {"title", format_title(report, alone)},
+                        {"warnings", format_warnings(report)},
+                        {"asked", format_asked(report)},
+                        {"answered", format_answered(report)},
+                        {"ee", format_ee_squares(report)},
+                        {"star_note", format_star_note(report)},
+                        {"legend", draw_legend(report.study.name)},
+                        {"graphs", format_graphs(report)},
+                        {"uncertainty", format_uncertainty(report)},
+                        {"trends", format_trends(report)},
+                        {"subjects", format_subjects(report)},
+                        {"counting", format_counting(report)},
+                        {"monotone", format_monotone(report)},
+                        {"rules", format_rule_differences(report) + format_rule_certainty(report)},
+                        {"noise", format_noise(report)},
+                        {"convergences", format_convergences(report)},
+                        {"cells", format_cells(report)},
+                        {"provenance", format_provenance(report)}});
 }
 
 std::string format_names(const std::vector<Report>& reports) {

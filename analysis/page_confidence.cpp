@@ -1,5 +1,6 @@
 // The page's doubts: how sure verdicts are, which trends hold, how subjects did, and where numbers come from.
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <set>
 
@@ -131,27 +132,35 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
           explain_status(column.status)};
 }
 
+double eval_share_error(double share, int draws) { return std::sqrt(share * (1 - share) / draws); }
+
 struct Firmness {
   std::size_t firm = 0, assumed = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
 };
 
+constexpr double kFirmShare = 0.95;  ///< of draws, and of resamples, that share a firm verdict
+
+bool is_shared(const RuleFinding& finding, const RuleUncertainty& under) {
+  if (!under.posterior || !under.bootstrap) return false;
+  const bool exists = finding.verdict == Verdict::kExists;
+  const auto sure = [&](double share) { return exists ? share >= kFirmShare : share <= 1 - kFirmShare; };
+  return sure(*under.posterior) && sure(*under.bootstrap);
+}
+
 // Verdicts that nineteen of twenty resamples and draws share, and those that a trifle turns.
-Firmness count_firm(const Report& report) {
+Firmness count_firm(const Report& report, Rule rule) {
   Firmness sum;
   for (std::size_t c = 0; c < report.findings.size(); ++c) {
-    const RuleFinding& finding = report.findings[c].under(report.rule);
-    const RuleUncertainty& under = report.uncertainty.columns[c].under(report.rule);
+    const RuleFinding& finding = report.findings[c].under(rule);
+    const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
     if (finding.verdict == Verdict::kExists) ++sum.exists;
     if (!finding.supported.empty()) ++sum.supported;
     if (!under.posterior || !under.bootstrap) continue;
     ++sum.judged;
-    const bool exists = finding.verdict == Verdict::kExists;
-    const auto sure = [&](double share) { return exists ? share >= 0.95 : share <= 0.05; };
-    if (sure(*under.posterior) && sure(*under.bootstrap))
-      ++(rests_on_untested(report.findings[c], report.rule) ? sum.assumed : sum.firm);
+    if (is_shared(finding, under)) ++(rests_on_untested(report.findings[c], rule) ? sum.assumed : sum.firm);
     sum.by_one += under.artifact_flips.empty() && under.material_flips.empty() ? 0 : 1;
-    sum.by_cut += report.at_other_percents[0][c].under(report.rule).verdict != finding.verdict ||
-                          report.at_other_percents[1][c].under(report.rule).verdict != finding.verdict
+    sum.by_cut += report.at_other_percents[0][c].under(rule).verdict != finding.verdict ||
+                          report.at_other_percents[1][c].under(rule).verdict != finding.verdict
                       ? 1
                       : 0;
   }
@@ -187,10 +196,38 @@ std::string describe_leaving_out(const Report& report) {
       fmt::join(texts, "; "));
 }
 
-std::vector<std::string> trend_fields(const Trend& trend) {
+// Were every one of these trends as strong as it can be; 1 where nothing is compared.
+std::vector<double> find_least_holm(const std::vector<Trend>& trends) {
+  std::vector<double> compared, least(trends.size(), 1);
+  for (const Trend& trend : trends) {
+    if (trend.status != TrendStatus::kNoPairs) compared.push_back(trend.p_least);
+  }
+  const std::vector<double> adjusted = adjust_holm(compared);
+  for (std::size_t i = 0, next = 0; i < trends.size(); ++i) {
+    if (trends[i].status != TrendStatus::kNoPairs) least[i] = adjusted[next++];
+  }
+  return least;
+}
+
+std::string describe_unattainable(const std::vector<Trend>& trends, const std::vector<double>& least) {
+  std::size_t asked = 0, beyond = 0;
+  for (std::size_t i = 0; i < trends.size(); ++i) {
+    if (trends[i].status == TrendStatus::kNoPairs) continue;
+    ++asked;
+    beyond += least[i] > kTrendLevel ? 1 : 0;
+  }
+  if (beyond == 0) return "";
+  return fmt::format(
+      "{} of the {} trends that are asked for could not be shown whatever the answers: so few pairs give no "
+      "p by Holm of "
+      "{:g} or less. That nothing is shown there says nothing against a trend.",
+      beyond, asked, kTrendLevel);
+}
+
+std::vector<std::string> trend_fields(const Trend& trend, double least_holm) {
   const std::string name = fmt::format("{}, {} to {}", trend.factor, trend.from, trend.to);
   if (trend.status == TrendStatus::kNoPairs)
-    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash};
+    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash, kDash};
   return {escape_xml(name),
           trend.holds ? R"(<span class="met">HOLDS</span>)" : "not shown",
           fmt::format("{}", trend.pairs),
@@ -198,7 +235,8 @@ std::vector<std::string> trend_fields(const Trend& trend) {
           trend.effect ? fmt::format("{:+.2f}", *trend.effect) : kDash,
           format_interval(trend.interval),
           format_small(trend.p),
-          format_small(trend.p_holm)};
+          format_small(trend.p_holm),
+          format_small(least_holm)};
 }
 
 std::string format_standing(const SubjectFinding& finding) {
@@ -272,16 +310,15 @@ std::string format_uncertainty(const Report& report) {
                "EE at 80 %", "artifact cut", "material cut", "remark"},
               {}};
   for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
-  const Firmness sum = count_firm(report);
+  const Firmness sum = count_firm(report, report.rule);
   return fmt::format(
              "<p>Of {} columns with answers in both experiments, {} have a verdict that at least 95&nbsp;% "
              "of both "
              "posterior draws and resamples of subjects share{}; in {} leaving out a single subject turns "
              "it, "
              "and in "
-             "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. Equivalence exists in {} "
-             "columns, of "
-             "which {} {} supported.</p>\n",
+             "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. EE is found in {} columns, of "
+             "which {} {} supported at some level.</p>\n",
              sum.judged, sum.firm, format_assumed(sum.assumed), sum.by_one, sum.by_cut, sum.exists,
              sum.supported, sum.supported == 1 ? "is" : "are") +
          fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
@@ -303,31 +340,85 @@ std::string format_uncertainty(const Report& report) {
              "widened to those under isotonic, and "
              "&ldquo;none&rdquo; stands for no level, &ldquo;&ge; C8&rdquo; for C8 and more clamped, not "
              "tested, &ldquo;&le;&rdquo; for less clamped; censored_low and censored_high: the cut itself "
-             "lies beyond the tested levels. Turned by one: subjects without any one of whom the "
-             "verdict "
+             "lies beyond the tested levels. Turned by one: subjects without any one of whom the verdict "
              "is another, by name in <code>subjects.csv</code>.{} Seed {}. From <code>ee.csv</code> and "
-             "<code>thresholds.csv</code>.</p>\n",
+             "<code>thresholds.csv</code>.</p>\n"
+             "<p class=\"note\">Supported is said of one level: in each experiment by itself, one-sided at "
+             "95&nbsp;%, "
+             "its proportion lies below 75&nbsp;%. No allowance is made for two experiments, several levels "
+             "or columns. "
+             "Posterior and resampled are of the whole column, where chance at any level may move a cut: so "
+             "a supported "
+             "column may well have less than 0.95 there. Drawn by chance, a share s of N draws has a "
+             "standard error of "
+             "&radic;(s(1&minus;s)/N): at most {:.3f} of posterior and {:.3f} of resampled shares, at 0.95 "
+             "{:.3f} and "
+             "{:.3f}. The levels of the material experiment were chosen by flags at 75&nbsp;%: EE at 70 and "
+             "80&nbsp;% "
+             "rests on those.</p>\n",
              report.params.posterior_draws, report.params.resamples, describe_leaving_out(report),
-             report.params.seed);
+             report.params.seed,
+             eval_share_error(0.5, report.params.posterior_draws),
+             eval_share_error(0.5, report.params.resamples),
+             eval_share_error(0.95, report.params.posterior_draws),
+             eval_share_error(0.95, report.params.resamples));
+}
+
+std::string format_rule_certainty(const Report& report) {
+  Table table{{"column", "EE, paper", "posterior", "resampled", "EE, isotonic", "posterior", "resampled"},
+              {}};
+  std::size_t differ = 0;
+  for (std::size_t c = 0; c < report.findings.size(); ++c) {
+    std::vector<std::string> row{escape_xml(format_key(report.findings[c].column))};
+    std::set<bool> firm;
+    for (const Rule rule : kRules) {
+      const RuleFinding& finding = report.findings[c].under(rule);
+      const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
+      const bool stands = is_shared(finding, under) && !rests_on_untested(report.findings[c], rule);
+      firm.insert(stands);
+      row.insert(row.end(), {std::string(mark_verdict(finding)) + (stands ? " firm" : ""),
+                             format_share(under.posterior), format_share(under.bootstrap)});
+    }
+    differ += firm.size() > 1 ? 1 : 0;
+    table.rows.push_back(std::move(row));
+  }
+  const Firmness paper = count_firm(report, Rule::kPaper), isotonic = count_firm(report, Rule::kIsotonic);
+  if (paper.judged + isotonic.judged == 0) return "";
+  return fmt::format(
+             "<p>How sure a verdict is can depend on the rule; here it does in {} columns. Firm, that is "
+             "shared by at "
+             "least 95&nbsp;% of both draws and resamples, are {} of {} verdicts under <i>paper</i> and {} "
+             "of {} under "
+             "<i>isotonic</i>. Under <i>paper</i> one level flagged by chance moves the cut; under "
+             "<i>isotonic</i> it is "
+             "pooled with its neighbours first.</p>\n",
+             differ, paper.firm, paper.judged, isotonic.firm, isotonic.judged) +
+         format_html_table(table, 99) + "<p class=\"note\">From <code>ee.csv</code>.</p>\n";
 }
 
 std::string format_trends(const Report& report) {
   if (report.trends.empty()) return "<p>No factor of this study has two levels.</p>\n";
-  Table table{{"along", "verdict", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm"}, {}};
+  Table table{{"along", "verdict", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm",
+               "least p, Holm"},
+              {}};
   std::string sentences;
-  for (const Trend& trend : report.trends) {
-    table.rows.push_back(trend_fields(trend));
+  const std::vector<double> least = find_least_holm(report.trends);
+  for (std::size_t i = 0; i < report.trends.size(); ++i) {
+    const Trend& trend = report.trends[i];
+    table.rows.push_back(trend_fields(trend, least[i]));
     if (trend.holds) sentences += fmt::format("{} ", escape_xml(describe_trend(trend)));
   }
-  return fmt::format("<p>{}</p>\n", sentences.empty() ? "No trend is shown." : sentences) +
+  if (sentences.empty()) sentences = "No trend is shown. ";
+  return fmt::format("<p>{}{}</p>\n", sentences, describe_unattainable(report.trends, least)) +
          format_html_table(table, 2) +
          "<p class=\"note\">Columns that differ in one factor alone are compared in pairs: gained, "
          "equivalence at "
          "the later level only; lost, at the earlier only; effect, their difference by all pairs. p is "
          "exact, two-"
          "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
-         "trends. The "
-         "interval is the effect give or take the farther end of what subjects drawn again give. A trend "
+         "trends; the least is what verdicts all at one end, along every trend, would give. p speaks of the "
+         "columns of this study, the interval of its subjects, neither of other scenes. The interval is the "
+         "effect give or take the farther end of what subjects drawn again give. A trend "
          "holds iff p by Holm is 0.05 or less and "
          "the "
          "interval leaves out 0. From <code>trends.csv</code>.</p>\n";

@@ -225,6 +225,20 @@ std::string format_answered(const Report& report) {
          format_participation(report);
 }
 
+std::string describe_pruning(const Report& report) {
+  if (report.evidence.material.finished.empty()) return "<p>No material session is finished yet.</p>\n";
+  if (!report.selection)
+    return "<p>By which selection levels went on to the material experiment is not known: the file is "
+           "missing.</p>\n";
+  return fmt::format(
+      "<p>Only levels free of artifacts, by the rule <i>{}</i>, went on to the material experiment: the "
+      "first, every "
+      "second, and the last. So the material cut is uncertain by one clamp level, and the green region is "
+      "conservative "
+      "to it.</p>\n",
+      escape_xml(report.selection->rule));
+}
+
 std::string format_counting(const Report& report) {
   std::string text = fmt::format(
       "<p>A cell is one picture condition, both views together; k of n subjects were correct. It is flagged "
@@ -235,11 +249,7 @@ std::string format_counting(const Report& report) {
       "<code>thresholds.csv</code> and <code>ee.csv</code> both.</p>\n<ul>\n",
       format_integer_cuts(report), format_rule(report.rule));
   for (const Rule rule : kRules) text += "<li>" + format_rule_text(rule) + "</li>\n";
-  return text +
-         "</ul>\n<p>Only levels free of artifacts went on to the material experiment: the first, every "
-         "second, and the "
-         "last. So the material cut is uncertain by one clamp level, and the green region is conservative to "
-         "it.</p>\n";
+  return text + "</ul>\n" + describe_pruning(report);
 }
 
 // How the references by VPL sets agree with their path-traced checks.

@@ -166,11 +166,17 @@ std::string format_warnings(const Report& report) {
 }
 
 std::string format_summary(const Report& report) {
+  const auto supported = std::count_if(
+      report.findings.begin(), report.findings.end(),
+      [&](const ColumnFinding& finding) { return !finding.under(report.rule).supported.empty(); });
   std::string text = fmt::format(
-      "Under the rule <i>{}</i> some clamp level is visually equivalent to the reference in {} of {} columns "
-      "(an object at a VPL count); in {} none is.",
+      "Under the rule <i>{}</i> some clamp level is not shown to be different from the reference in {} of {} "
+      "columns "
+      "(an object at a VPL count); in {} there is no such level. &ldquo;Equivalent&rdquo; means no more than "
+      "that on this page, but where a "
+      "level is &ldquo;supported&rdquo;, as in {}: there less than 75&nbsp;% correct is shown.",
       format_rule(report.rule), count_verdicts(report, Verdict::kExists), report.findings.size(),
-      count_verdicts(report, Verdict::kNone));
+      count_verdicts(report, Verdict::kNone), supported);
   if (const std::size_t unasked = count_unasked(report); unasked > 0) {
     text += fmt::format(
         " Of the latter nobody was asked about the material in {}: no level was left to ask about.", unasked);
@@ -193,11 +199,10 @@ std::string format_ee_squares(const Report& report) {
     text += format_object_grid(report, illumination, "ee", caption, format_object_squares);
   }
   return text +
-         R"(<p class="note"><span class="square exists">+</span>some clamp level is equivalent
-<span class="square none">&minus;</span>none is <span class="square untested">?</span>not tested
+         R"(<p class="note"><span class="square exists">+</span>some clamp level is not shown to be different (equivalent)
+<span class="square none">&minus;</span>no level is equivalent <span class="square untested">?</span>not tested
 <span class="square exists supported">+</span>supported: at some green level both experiments were tested and both
-proportions are shown, at 95&nbsp;% one-sided, to lie below 75&nbsp;%. A plain green square means only
-&ldquo;not shown to be different&rdquo;.</p>)";
+proportions are shown, each at 95&nbsp;% one-sided, to lie below 75&nbsp;%.</p>)";
 }
 
 std::string format_graphs(const Report& report) {
@@ -216,7 +221,9 @@ std::string format_monotone(const Report& report) {
       report, [](const Threshold& threshold) { return threshold.flags_monotone && !threshold.monotone; });
   std::string text =
       reversed.rows.empty()
-          ? "<p>In no column do the flags go back and forth: the rules agree on every cut.</p>\n"
+          ? fmt::format(
+                "<p>In no column do the flags go back and forth: the rules agree on every {}cut.</p>\n",
+                count_answers(report.material) > 0 ? "" : "artifact ")
           : "<p>In these the flags themselves go back and forth, so that the rule decides:</p>\n" +
                 format_html_table(reversed, 99);
   if (!uneven.rows.empty()) {
@@ -232,7 +239,9 @@ std::string format_rule_differences(const Report& report) {
   const Table verdicts = collect_verdict_differences(report);
   const Table untested = collect_untested(report);
   std::string text = verdicts.rows.empty()
-                         ? "<p>Both rules find the same equivalent levels in every column.</p>\n"
+                         ? count_answers(report.material) > 0
+                               ? "<p>Both rules find the same equivalent levels in every column.</p>\n"
+                               : "<p>No material session is finished: neither rule has a verdict yet.</p>\n"
                          : format_html_table(verdicts, 99);
   if (untested.rows.empty()) return text;
   return text +

@@ -22,6 +22,7 @@ std::string format_subjects(const Report& report);
 std::string format_counting(const Report& report);
 std::string format_monotone(const Report& report);
 std::string format_rule_differences(const Report& report);
+std::string format_rule_certainty(const Report& report);
 std::string format_noise(const Report& report);
 std::string format_convergences(const Report& report);
 std::string format_cells(const Report& report);

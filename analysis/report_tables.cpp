@@ -194,14 +194,14 @@ Row trend_row(const Report& report, const Trend& trend) {
           format_int(trend.lost),
           format_number(trend.effect)};
   append(row, interval_fields(trend.interval));
-  append(row, {format_number(trend.p), format_number(trend.p_holm), format_bool(trend.holds),
-               describe_trend(trend)});
+  append(row, {format_number(trend.p), format_number(trend.p_least), format_number(trend.p_holm),
+               format_bool(trend.holds), describe_trend(trend)});
   return row;
 }
 
 Table make_trends(const std::vector<Report>& reports) {
   Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "gained", "lost",
-               "effect", "lower", "upper", "p", "p_holm", "holds", "sentence"},
+               "effect", "lower", "upper", "p", "p_least", "p_holm", "holds", "sentence"},
               {}};
   for (const Report& report : reports) {
     for (const Trend& trend : report.trends) table.rows.push_back(trend_row(report, trend));

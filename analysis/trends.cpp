@@ -240,6 +240,7 @@ Trend answer(const Question& question, const std::vector<ColumnFinding>& finding
   trend.interval =
       find_effect_interval(*trend.effect, find_effects(question, redrawn, findings.size()), redrawn.subjects);
   trend.p = eval_permutation_p(sums.strata, sums.gained - sums.lost);
+  trend.p_least = find_least_p(sums.strata);
   return trend;
 }
 
@@ -280,6 +281,15 @@ double eval_permutation_p(const std::vector<Stratum>& strata, std::int64_t stati
   double far = 0;
   for (const auto& [value, p] : sum) far += std::abs(value) >= std::abs(statistic) ? p : 0;
   return std::min(far, 1.0);
+}
+
+double find_least_p(const std::vector<Stratum>& strata) {
+  double orders = 1;
+  for (const Stratum& stratum : strata) {
+    for (int i = 1; i <= stratum.size / 2; ++i)
+      orders *= static_cast<double>(stratum.size - stratum.size / 2 + i) / i;
+  }
+  return std::min(2 / orders, 1.0);
 }
 
 std::vector<double> adjust_holm(const std::vector<double>& p_values) {

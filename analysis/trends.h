@@ -33,6 +33,7 @@ struct Trend {
   /// Of the effect: it, give or take the farther end of the report's resamples of subjects.
   std::optional<Interval> interval;
   double p = 1;        ///< two-sided, exact: EE permuted within strata
+  double p_least = 1;  ///< the least p that any verdicts of these columns could give
   double p_holm = 1;   ///< the same after Holm, over the trends of a report that compare something
   bool holds = false;  ///< p_holm <= kTrendLevel and the interval leaves out 0
 };
@@ -68,6 +69,10 @@ struct Stratum {
   int ones = 0;
 };
 double eval_permutation_p(const std::vector<Stratum>& strata, std::int64_t statistic);
+
+/// The least that eval_permutation_p can be over all numbers and orders of ones: half of each stratum, at one
+/// end of it.
+double find_least_p(const std::vector<Stratum>& strata);
 
 /// Adjusted p-values, in the order given. source: Holm 1979; R's p.adjust(p, "holm").
 std::vector<double> adjust_holm(const std::vector<double>& p_values);

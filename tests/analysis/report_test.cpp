@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <map>
 #include <set>
@@ -436,6 +437,53 @@ TEST(Report, explains_what_its_tables_abbreviate) {
         "one half, one-sided, exact", "Benjamini and Hochberg, over the tested cells", "Beta(1/2, 1/2)",
         "the least that the session&rsquo;s protocol", "if and only if most of the others were"})
     EXPECT_TRUE(has(page, told)) << told;
+}
+
+TEST(Report, claims_no_more_than_was_shown) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const std::string page = format_page({make_planted_report(planted)});
+  EXPECT_FALSE(has(page, "visually equivalent"));
+  EXPECT_TRUE(has(page, "some clamp level is not shown to be different from the reference in "));
+  EXPECT_TRUE(has(page, "No allowance is made for two experiments, several levels or columns"));
+  EXPECT_TRUE(has(page, "Only levels free of artifacts, by the rule <i>paper</i>"));
+  EXPECT_TRUE(has(page, "the rules agree on every cut"));
+  const Evidence evidence{
+      SubjectKind::kPlanted, make_evidence(planted, Experiment::kArtifact, SubjectKind::kPlanted, 12), {}};
+  const std::string half =
+      format_page({make_report(planted.study, evidence, Rule::kPaper, {planted.selection, {}, {}})});
+  for (const char* claim :
+       {"Only levels free of artifacts", "the rules agree on every cut", "find the same equivalent levels"})
+    EXPECT_FALSE(has(half, claim)) << claim;
+  EXPECT_TRUE(has(half, "the rules agree on every artifact cut"));
+}
+
+// Two trends of four pairs each: at best 2 / 2^4, twice that by Holm.
+TEST(Report, says_which_trends_no_answers_could_show) {
+  const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  ASSERT_EQ(report.trends.size(), 2U);
+  for (const Trend& trend : report.trends) EXPECT_EQ(trend.p_least, 0.125);
+  const std::string page = format_page({report});
+  EXPECT_TRUE(has(page, "2 of the 2 trends that are asked for could not be shown whatever the answers"));
+  EXPECT_TRUE(has(page, "<td class=\"number\">0.2500</td></tr>"));
+  EXPECT_FALSE(has(format_page({make_planted_report(make_planted_study("paper", 12, 14, 1, 0.02))}),
+                   "could not be shown"));
+}
+
+TEST(Report, gives_the_certainty_under_both_rules_side_by_side) {
+  const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  const std::string page = format_page({report});
+  EXPECT_TRUE(has(page, "How sure a verdict is can depend on the rule; here it does in "));
+  for (std::size_t c = 0; c < report.findings.size(); ++c) {
+    const auto share = [&](Rule rule) {
+      return fmt::format("<td>{:.2f}</td><td>{:.2f}</td>",
+                         *report.uncertainty.columns[c].under(rule).posterior,
+                         *report.uncertainty.columns[c].under(rule).bootstrap);
+    };
+    const auto row =
+        page.find("<tr><td>" + format_key(report.findings[c].column), page.find("How sure a verdict"));
+    const std::string text = page.substr(row, page.find("</tr>", row) - row);
+    EXPECT_TRUE(has(text, share(Rule::kPaper)) && has(text, share(Rule::kIsotonic))) << text;
+  }
 }
 
 TEST(Report, lists_columns_whose_flags_go_back_and_forth) {

@@ -260,5 +260,23 @@ TEST(Trends, do_not_hold_where_there_are_no_other_subjects) {
   }
 }
 
+// Against every number and order of ones.
+TEST(PermutationTest, has_no_p_below_the_least_one) {
+  for (const std::vector<int>& sizes : std::vector<std::vector<int>>{{2, 2, 2, 2}, {3}, {4, 3}, {5, 2, 3}}) {
+    std::vector<Stratum> strata;
+    for (const int size : sizes) strata.push_back({size, 0});
+    double least = 1;
+    for (std::size_t turn = 0; turn < strata.size();) {
+      std::int64_t farthest = 0;
+      for (const Stratum& stratum : strata) farthest += stratum.ones * (stratum.size - stratum.ones);
+      least = std::min(least, eval_permutation_p(strata, farthest));
+      for (turn = 0; turn < strata.size() && ++strata[turn].ones > strata[turn].size; ++turn)
+        strata[turn].ones = 0;
+    }
+    EXPECT_NEAR(find_least_p(strata), least, 1e-12) << sizes.size();
+  }
+  EXPECT_EQ(find_least_p({}), 1);
+}
+
 }  // namespace
 }  // namespace equilux::tests
