@@ -38,6 +38,7 @@ std::string format_study(const Report& report, bool alone) {
                         {"legend", draw_legend(report.study.name)},
                         {"graphs", format_graphs(report)},
                         {"uncertainty", format_uncertainty(report)},
+                        {"recovery", format_recovery(report)},
                         {"trends", format_trends(report)},
                         {"subjects", format_subjects(report)},
                         {"counting", format_counting(report)},

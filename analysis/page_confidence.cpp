@@ -5,6 +5,7 @@
 #include <set>
 
 #include "analysis/markup.h"
+#include "analysis/order_draws.h"
 #include "analysis/page_sections.h"
 #include "analysis/report_tables.h"
 #include "analysis/tables.h"
@@ -480,7 +481,13 @@ std::string format_tracing(const std::vector<Report>& reports) {
        "= EXPERIMENT AND complete = 1</code>, counted"},
       {"design", "study.json, session.json, windows.json, selection-KIND.json",
        "the study folder; digests below"},
-      {"sessions, sides, times", "subjects.csv, order.csv",
+      {"order effects", "order.csv",
+       fmt::format("trials by session; {} draws, streams <code>{}</code> and <code>{}</code> of the seed",
+                   kOrderDraws, kOrderFlipStream, kOrderBootstrapStream)},
+      {"noise of the references", "manifest.json",
+       "<code>standard_error</code> and <code>reference</code> of each reference picture; targets from "
+       "study.json"},
+      {"sessions, sides, times", "subjects.csv",
        "<code>SELECT * FROM trial WHERE session = SESSION ORDER BY trial</code>; where logs are pooled, the "
        "session of that participant in the log of the folder beside it"}};
   std::string folders;

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <map>
 #include <set>
 
 #include "analysis/markup.h"
+#include "analysis/order_draws.h"
 #include "analysis/page_sections.h"
 #include "analysis/probability.h"
 #include "analysis/tables.h"
@@ -47,21 +49,29 @@ std::vector<std::string> answered_row(const Report& report, Experiment experimen
           format_sizes(find_cell_sizes(tally))};
 }
 
-// "12 answers: 9 or more correct, which guessing reaches with probability 0.0730"
-std::string format_integer_cut(std::int64_t n) {
-  const std::int64_t k = (3 * n + 3) / 4;
-  return fmt::format("with n = {} that is {} or more, which pure guessing reaches with probability {:.4f}", n,
-                     k, *eval_p_guess({k, n}));
-}
-
-std::string format_integer_cuts(const Report& report) {
-  std::set<std::int64_t> sizes = find_cell_sizes(report.artifact);
-  sizes.merge(find_cell_sizes(report.material));
-  std::vector<std::string> cuts;
-  for (const std::int64_t n : sizes) {
-    if (cuts.size() < 4) cuts.push_back(format_integer_cut(n));
+// Tested cells of an experiment by n: the cut, and what guessing alone would do.
+Table list_cuts(const Report& report) {
+  Table table{{"experiment", "answers per cell, n", "cells", "flagged from k", "by guessing, one cell",
+               "by guessing, all cells", "flagged"},
+              {}};
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    std::map<std::int64_t, std::pair<std::size_t, std::size_t>> cells;  // by n: all, flagged
+    for (const auto& [cell, count] : tally_of(report, experiment)) {
+      if (count.n == 0) continue;
+      ++cells[count.n].first;
+      cells[count.n].second += is_flagged(count) ? 1 : 0;
+    }
+    for (const auto& [n, sizes] : cells) {
+      const std::int64_t k = (3 * n + 3) / 4;
+      const double chance = *eval_p_guess({k, n});
+      table.rows.push_back({format_experiment(experiment), fmt::format("{}", n),
+                            fmt::format("{}", sizes.first), fmt::format("{}", k),
+                            fmt::format("{:.4f}", chance),
+                            fmt::format("{:.1f}", chance * static_cast<double>(sizes.first)),
+                            fmt::format("{}", sizes.second)});
+    }
   }
-  return fmt::format("{}", fmt::join(cuts, "; "));
+  return table;
 }
 
 std::string format_rule_text(Rule rule) {
@@ -240,14 +250,23 @@ std::string describe_pruning(const Report& report) {
 }
 
 std::string format_counting(const Report& report) {
-  std::string text = fmt::format(
+  std::string text =
       "<p>A cell is one picture condition, both views together; k of n subjects were correct. It is flagged "
-      "iff "
-      "4k &ge; 3n, in integers: {}. 75&nbsp;% correct between two pictures is 50&nbsp;% detection after "
-      "correction "
-      "for guessing. The levels of a column were cut by a named rule; this page shows <i>{}</i>, the files "
-      "<code>thresholds.csv</code> and <code>ee.csv</code> both.</p>\n<ul>\n",
-      format_integer_cuts(report), format_rule(report.rule));
+      "iff 4k &ge; "
+      "3n, in integers. 75&nbsp;% correct between two pictures is 50&nbsp;% detection after correction for "
+      "guessing.</p>\n" +
+      format_html_table(list_cuts(report), 1) +
+      fmt::format(
+          "<p class=\"note\">By guessing: the probability that a cell in which nobody sees anything is "
+          "flagged, and how "
+          "many flags that makes on average were all cells such. p and q of a cell ask whether anything was "
+          "seen, against "
+          "one half; a flag asks whether half of the subjects saw it, at 75&nbsp;%. So a cell may have a "
+          "small q and no "
+          "flag: no verdict rests on q.</p>\n<p>The levels of a column were cut by a named rule; this page "
+          "shows "
+          "<i>{}</i>, the files <code>thresholds.csv</code> and <code>ee.csv</code> both.</p>\n<ul>\n",
+          format_rule(report.rule));
   for (const Rule rule : kRules) text += "<li>" + format_rule_text(rule) + "</li>\n";
   return text + "</ul>\n" + describe_pruning(report);
 }
@@ -321,6 +340,31 @@ std::string format_noise(const Report& report) {
       references, format_html_table(table, 3), format_checks(report));
 }
 
+// How far P(over 75 %) would rise in the cell where it would most, were the prior cut off below one half.
+double find_most_by_truncation(const Report& report) {
+  double most = 0;
+  for (const Tally* tally : {&report.artifact, &report.material}) {
+    for (const auto& [cell, count] : *tally) {
+      if (count.n == 0) continue;
+      const double over = *eval_posterior_over(count), above_chance = *eval_posterior_over(count, 0.5);
+      if (above_chance > 0) most = std::max(most, over / above_chance - over);
+    }
+  }
+  return most;
+}
+
+std::string format_prior_note(const Report& report) {
+  return fmt::format(
+      "<p class=\"note\">Jeffreys&rsquo; prior has half its mass below one half, where no proportion correct "
+      "should "
+      "lie: it is kept as it is so that interval, posterior and their coverage are the known ones. Cut off "
+      "below one half "
+      "it would divide P(over 75&nbsp;%) by P(over 50&nbsp;%): in these cells that adds at most {:.3f}. The "
+      "posterior of "
+      "EE would be somewhat lower.</p>\n",
+      find_most_by_truncation(report));
+}
+
 std::string format_cells(const Report& report) {
   Table table{{"experiment", "cell", "flagged", "k", "n", "proportion correct", "Clopper-Pearson", "Jeffreys",
                "p by guessing", "q", "P(over 75 %)"},
@@ -337,7 +381,7 @@ std::string format_cells(const Report& report) {
              "<details><summary>The {} tested cells; <code>cells.csv</code> has the untested ones "
              "too</summary>\n{}</details>\n",
              table.rows.size(), format_html_table(table, 3)) +
-         kCellsNote;
+         kCellsNote + format_prior_note(report);
 }
 
 std::string format_provenance(const Report& report) {
@@ -345,6 +389,9 @@ std::string format_provenance(const Report& report) {
   list.add("report made by", fmt::format("equilux-analyze {}", kVersion));
   list.add("draws", fmt::format("seed {}, {} posterior draws, {} resamples of subjects", report.params.seed,
                                 report.params.posterior_draws, report.params.resamples));
+  list.add("order effects",
+           fmt::format("{} draws each, streams <code>{}</code> and <code>{}</code> of that seed", kOrderDraws,
+                       kOrderFlipStream, kOrderBootstrapStream));
   list.add("study", fmt::format("{}, seed {}", escape_xml(report.study.name), report.study.seed));
   list.add_digests("study digest", {report.study.digest});
   if (report.manifest) list.add("rendering seed", fmt::format("{}", report.manifest->seed));

@@ -172,9 +172,9 @@ std::string format_summary(const Report& report) {
   std::string text = fmt::format(
       "Under the rule <i>{}</i> some clamp level is not shown to be different from the reference in {} of {} "
       "columns "
-      "(an object at a VPL count); in {} there is no such level. &ldquo;Equivalent&rdquo; means no more than "
-      "that on this page, but where a "
-      "level is &ldquo;supported&rdquo;, as in {}: there less than 75&nbsp;% correct is shown.",
+      "(an object at a VPL count); in {} there is no such level. &ldquo;Equivalent&rdquo; means just that on "
+      "this page. In {} of these columns a level is supported: there both proportions correct are shown to "
+      "lie below 75&nbsp;%.",
       format_rule(report.rule), count_verdicts(report, Verdict::kExists), report.findings.size(),
       count_verdicts(report, Verdict::kNone), supported);
   if (const std::size_t unasked = count_unasked(report); unasked > 0) {

@@ -17,6 +17,8 @@ std::string format_answered(const Report& report);
 std::string format_ee_squares(const Report& report);
 std::string format_graphs(const Report& report);
 std::string format_uncertainty(const Report& report);
+/// Empty unless answers are planted and the folder has their truth.
+std::string format_recovery(const Report& report);
 std::string format_trends(const Report& report);
 std::string format_subjects(const Report& report);
 std::string format_counting(const Report& report);

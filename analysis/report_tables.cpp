@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "analysis/order_draws.h"
 #include "analysis/participation.h"
 #include "analysis/tables.h"
 #include "base/error.h"
@@ -312,7 +313,9 @@ Json make_report_json(const std::vector<Report>& reports) {
   const UncertaintyParams& params = reports.front().params;
   json.set("seed", params.seed)
       .set("posterior_draws", params.posterior_draws)
-      .set("resamples", params.resamples);
+      .set("resamples", params.resamples)
+      .set("order_draws", kOrderDraws)
+      .set("order_streams", make_json({kOrderFlipStream, kOrderBootstrapStream}));
   json.set("flag_percent", kFlagPercent).set("interval_level", kIntervalLevel);
   json.set("support_level", kSupportLevel).set("trend_level", kTrendLevel);
   Json studies{Json::Array{}};

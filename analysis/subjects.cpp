@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 
+#include "analysis/order_draws.h"
 #include "base/error.h"
 #include "base/random.h"
 
@@ -14,7 +15,6 @@ namespace equilux {
 namespace {
 
 constexpr std::size_t kExactFlips = 16;  ///< subjects up to whom all sign flips are tried
-constexpr int kDraws = 10000;            ///< of sign flips beyond, and of bootstraps
 
 std::optional<double> find_median(std::vector<double> values) {
   if (values.empty()) return std::nullopt;
@@ -126,27 +126,27 @@ double find_flip_p(const std::vector<double>& values, std::uint64_t seed) {
       far += std::abs(sum_flipped(values, signs)) >= seen ? 1 : 0;
     return static_cast<double>(far) / static_cast<double>(all);
   }
-  RandomStream random(seed, "analysis/order/flips", 0);
+  RandomStream random(seed, kOrderFlipStream, 0);
   int far = 1;
-  for (int draw = 0; draw < kDraws; ++draw) {
+  for (int draw = 0; draw < kOrderDraws; ++draw) {
     double sum = 0;
     for (std::size_t first = 0; first < values.size(); first += 64)
       sum += sum_flipped(std::span(values).subspan(first, std::min<std::size_t>(64, values.size() - first)),
                          random.next_u64());
     far += std::abs(sum) >= seen ? 1 : 0;
   }
-  return static_cast<double>(far) / (kDraws + 1);
+  return static_cast<double>(far) / (kOrderDraws + 1);
 }
 
 Interval find_mean_interval(const std::vector<double>& values, std::uint64_t seed) {
-  RandomStream random(seed, "analysis/order/bootstrap", 0);
-  std::vector<double> means(kDraws);
+  RandomStream random(seed, kOrderBootstrapStream, 0);
+  std::vector<double> means(kOrderDraws);
   for (double& mean : means) {
     for (std::size_t i = 0; i < values.size(); ++i) mean += values[random.next_below(values.size())];
     mean /= static_cast<double>(values.size());
   }
   std::sort(means.begin(), means.end());
-  const auto tail = static_cast<std::size_t>(find_bootstrap_tail(values.size()) * kDraws);
+  const auto tail = static_cast<std::size_t>(find_bootstrap_tail(values.size()) * kOrderDraws);
   return {means[tail], means[means.size() - 1 - tail]};
 }
 

@@ -486,6 +486,54 @@ TEST(Report, gives_the_certainty_under_both_rules_side_by_side) {
   }
 }
 
+// Cut at 9 of 12 and 11 of 14; study.md has both probabilities.
+TEST(Report, says_how_many_cells_guessing_alone_would_flag) {
+  const std::string page = format_page({make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02))});
+  const auto row = [](const char* experiment, int n, int cells, int k, double p) {
+    return fmt::format(
+        "<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td>"
+        "<td class=\"number\">{:.4f}</td><td class=\"number\">{:.1f}</td>",
+        experiment, n, cells, k, p, p * cells);
+  };
+  EXPECT_TRUE(has(page, row("artifact", 12, 32, 9, 299. / 4096)));
+  EXPECT_TRUE(has(page, "<tr><td>material</td><td class=\"number\">14</td>"));
+  EXPECT_TRUE(has(page, fmt::format("{:.4f}", 470. / 16384)));
+  EXPECT_TRUE(has(page, "no verdict rests on q"));
+  EXPECT_TRUE(has(page, "half its mass below one half"));
+}
+
+TEST(Report, has_planted_thresholds_beside_those_found_if_they_are_the_sessions) {
+  const PlantedStudy planted = make_planted_study("pocket", 200, 200, 1, 0);
+  Evidence evidence{SubjectKind::kPlanted,
+                    make_evidence(planted, Experiment::kArtifact, SubjectKind::kPlanted, 200),
+                    make_evidence(planted, Experiment::kMaterial, SubjectKind::kPlanted, 200)};
+  ReportSources sources{planted.selection, std::nullopt, std::nullopt};
+  const auto page = [&] {
+    return format_page({make_report(planted.study, evidence, Rule::kPaper, sources)});
+  };
+  EXPECT_FALSE(has(page(), "What was planted"));
+  sources.truth = planted.truth;
+  EXPECT_TRUE(has(page(), "nothing is compared"));
+  for (ExperimentEvidence* experiment : {&evidence.artifact, &evidence.material}) {
+    for (SessionRow& row : experiment->finished) row.digests.truth = planted.truth.digest;
+  }
+  const std::string compared = page();
+  EXPECT_TRUE(has(compared, "Artifact cuts: 8 of 8 as perfect answers would give them, 8 within"));
+  EXPECT_TRUE(has(compared, "8 within one level. EE: 8 of 8 as planted"));
+  EXPECT_TRUE(has(compared, "<tr><td>G0-MS-ind-1k</td><td>C10</td><td>C10</td>"));
+}
+
+TEST(Report, traces_noise_and_order_effects_too) {
+  const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  const std::string page = format_page({report});
+  for (const char* told :
+       {"<code>analysis/order/flips</code>", "<code>analysis/order/bootstrap</code>",
+        "<td>noise of the references</td><td>manifest.json</td>", "<dt>order effects</dt>"})
+    EXPECT_TRUE(has(page, told)) << told;
+  const std::string json = make_report_files({report}).at("report.json");
+  EXPECT_TRUE(has(json, "\"order_draws\": 10000") && has(json, "\"analysis/order/bootstrap\""));
+}
+
 TEST(Report, lists_columns_whose_flags_go_back_and_forth) {
   PlantedStudy planted = make_planted_study("pocket", 12, 14, 3, 0.0);
   EXPECT_FALSE(has(format_page({make_planted_report(planted)}), "so that the rule decides"));

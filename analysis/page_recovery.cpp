@@ -1,0 +1,122 @@
+// Of planted answers: the thresholds that were put in beside those that came out.
+#include <fmt/format.h>
+#include <set>
+
+#include "analysis/markup.h"
+#include "analysis/page_sections.h"
+#include "analysis/report_tables.h"
+
+namespace equilux {
+namespace {
+
+// A cut as planted, as it would come out if all saw just what was planted at the levels that were tested, and
+// as it did come out. Places on the scale; beyond it: no level.
+struct Recovered {
+  int planted = 0;
+  int best = 0;
+  int found = 0;
+  bool tested = false;
+};
+
+struct Recoveries {
+  std::size_t tested = 0, exact = 0, near = 0;
+
+  void add(const Recovered& one) {
+    tested += one.tested ? 1 : 0;
+    exact += one.tested && one.best == one.found ? 1 : 0;
+    near += one.tested && std::abs(one.best - one.found) <= 1 ? 1 : 0;
+  }
+};
+
+Recovered recover_artifact(const ColumnFinding& finding, const PlantedColumn& planted, Rule rule) {
+  ColumnCounts counts = finding.artifact;
+  for (LevelCount& level : counts)
+    level.count.k = level.level < planted.artifact_free_from ? level.count.n : 0;
+  const Threshold& found = finding.under(rule).artifact;
+  return {planted.artifact_free_from,
+          find_cut(counts, Experiment::kArtifact, rule).cut.value_or(kClampLevelCount),
+          found.cut.value_or(kClampLevelCount), found.status != CutStatus::kUntested};
+}
+
+Recovered recover_material(const ColumnFinding& finding, const PlantedColumn& planted, Rule rule) {
+  ColumnCounts counts = finding.material;
+  for (LevelCount& level : counts) level.count.k = level.level > planted.material_same_to ? level.count.n : 0;
+  const Threshold& found = finding.under(rule).material;
+  return {planted.material_same_to, find_cut(counts, Experiment::kMaterial, rule).cut.value_or(-1),
+          found.cut.value_or(-1), found.status != CutStatus::kUntested};
+}
+
+std::string format_found(const Recovered& one, const Study& study) {
+  if (!one.tested) return "not tested";
+  const std::string found = format_place(one.found, study);
+  return one.found == one.best ? found
+                               : fmt::format("<b>{}</b> for {}", found, format_place(one.best, study));
+}
+
+bool has_own_truth(const Report& report) {
+  for (const ExperimentEvidence* evidence : {&report.evidence.artifact, &report.evidence.material}) {
+    for (const SessionRow& row : evidence->finished) {
+      if (row.digests.truth != report.truth->digest) return false;
+    }
+  }
+  return true;
+}
+
+const char* format_exists(bool exists) { return exists ? "+" : "&minus;"; }
+
+const char* format_found_verdict(Verdict verdict) {
+  return verdict == Verdict::kUntested ? "?" : format_exists(verdict == Verdict::kExists);
+}
+
+std::string describe_recoveries(const Recoveries& sum, const std::string& experiment) {
+  return fmt::format("{} cuts: {} of {} as perfect answers would give them, {} within one level. ",
+                     experiment, sum.exact, sum.tested, sum.near);
+}
+
+std::string format_recoveries(const Report& report) {
+  Table table{{"column", "artifact-free from, planted", "found", "same material to, planted", "found",
+               "EE, planted", "found"},
+              {}};
+  Recoveries artifact, material;
+  std::size_t verdicts = 0, right = 0;
+  for (const ColumnFinding& finding : report.findings) {
+    const PlantedColumn& planted = report.truth->by_column.at(finding.column);
+    const RuleFinding& under = finding.under(report.rule);
+    const Recovered free_from = recover_artifact(finding, planted, report.rule),
+                    same_to = recover_material(finding, planted, report.rule);
+    const bool exists = planted.artifact_free_from <= planted.material_same_to;
+    artifact.add(free_from);
+    material.add(same_to);
+    verdicts += under.verdict != Verdict::kUntested ? 1 : 0;
+    right += under.verdict == (exists ? Verdict::kExists : Verdict::kNone) ? 1 : 0;
+    table.rows.push_back(
+        {escape_xml(format_key(finding.column)), format_place(free_from.planted, report.study),
+         format_found(free_from, report.study), format_place(same_to.planted, report.study),
+         format_found(same_to, report.study), format_exists(exists), format_found_verdict(under.verdict)});
+  }
+  return fmt::format(
+             "<p>{}{}EE: {} of {} as planted. Perfect answers, of subjects who see just what "
+             "was planted, give another cut than the planted one where that lies between or beyond the "
+             "levels "
+             "tested; where the found cut differs from theirs, it is in bold.</p>\n",
+             describe_recoveries(artifact, "Artifact"), describe_recoveries(material, "Material"), right,
+             verdicts) +
+         format_html_table(table, 99) +
+         fmt::format(
+             "<p class=\"note\">Planted: <code>truth.json</code>, lapses {:g}, side bias {:g}. Found: by the "
+             "rule <i>{}</i>, in <code>thresholds.csv</code> and <code>ee.csv</code>.</p>\n",
+             report.truth->lapse_rate, report.truth->side_bias, format_rule(report.rule));
+}
+
+}  // namespace
+
+std::string format_recovery(const Report& report) {
+  if (report.evidence.kind != SubjectKind::kPlanted || !report.truth) return "";
+  return "<section>\n<h2>What was planted, and what was found</h2>\n" +
+         (has_own_truth(report) ? format_recoveries(report)
+                                : "<p>Some sessions were planted by another truth than the folder&rsquo;s "
+                                  "<code>truth.json</code>: nothing is compared.</p>\n") +
+         "</section>\n";
+}
+
+}  // namespace equilux
