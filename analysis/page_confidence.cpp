@@ -358,8 +358,7 @@ std::string format_uncertainty(const Report& report) {
              "80&nbsp;% "
              "rests on those.</p>\n",
              report.params.posterior_draws, report.params.resamples, describe_leaving_out(report),
-             report.params.seed,
-             eval_share_error(0.5, report.params.posterior_draws),
+             report.params.seed, eval_share_error(0.5, report.params.posterior_draws),
              eval_share_error(0.5, report.params.resamples),
              eval_share_error(0.95, report.params.posterior_draws),
              eval_share_error(0.95, report.params.resamples));

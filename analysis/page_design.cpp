@@ -171,6 +171,15 @@ std::string describe_windows(const Report& report) {
   return fmt::format("{}, chosen before (columns by origin of the choice: {})", text, fmt::join(parts, ", "));
 }
 
+}  // namespace
+
+std::string describe_selection_rule(const Selection& selection) {
+  if (selection.rule.empty()) return "by the rule of each folder";
+  return fmt::format("by the rule <i>{}</i>", escape_xml(selection.rule));
+}
+
+namespace {
+
 std::string describe_selection(const Report& report) {
   if (!report.selection) return kDash;
   std::size_t levels = 0, columns = 0;
@@ -179,10 +188,10 @@ std::string describe_selection(const Report& report) {
     columns += column.levels.empty() ? 0 : 1;
   }
   return fmt::format(
-      "of the levels free of artifacts by the rule <i>{}</i> the first, every second and the last: {} levels "
+      "of the levels free of artifacts {} the first, every second and the last: {} levels "
       "in {} "
       "of {} columns",
-      escape_xml(report.selection->rule), levels, columns, report.selection->columns.size());
+      describe_selection_rule(*report.selection), levels, columns, report.selection->columns.size());
 }
 
 std::string format_trials(const ExperimentEvidence& evidence) {

@@ -241,12 +241,12 @@ std::string describe_pruning(const Report& report) {
     return "<p>By which selection levels went on to the material experiment is not known: the file is "
            "missing.</p>\n";
   return fmt::format(
-      "<p>Only levels free of artifacts, by the rule <i>{}</i>, went on to the material experiment: the "
+      "<p>Only levels free of artifacts, {}, went on to the material experiment: the "
       "first, every "
       "second, and the last. So the material cut is uncertain by one clamp level, and the green region is "
       "conservative "
       "to it.</p>\n",
-      escape_xml(report.selection->rule));
+      describe_selection_rule(*report.selection));
 }
 
 std::string format_counting(const Report& report) {

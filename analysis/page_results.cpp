@@ -179,7 +179,9 @@ std::string format_summary(const Report& report) {
       count_verdicts(report, Verdict::kNone), supported);
   if (const std::size_t unasked = count_unasked(report); unasked > 0) {
     text += fmt::format(
-        " Of the latter nobody was asked about the material in {}: no level was left to ask about.", unasked);
+        " In {} of the columns without one nobody was asked about the material: no level was left to ask "
+        "about.",
+        unasked);
   }
   if (const auto untested = count_verdicts(report, Verdict::kUntested); untested > 0) {
     text += fmt::format(" {} {} not tested to the end.", untested, untested == 1 ? "is" : "are");

@@ -37,6 +37,9 @@ std::string format_levels_table(const Report& report);
 std::string format_design(const Report& report);
 std::string format_participation(const Report& report);
 
+/// "by the rule <i>paper</i>"; of a pool whose folders pruned by several: by those.
+std::string describe_selection_rule(const Selection& selection);
+
 /// A material of the scene that comes with the program, as the page tells it.
 struct OwnMaterial {
   const char* token;

@@ -157,7 +157,8 @@ std::string format_ee_text(const Study& study, const std::vector<ColumnFinding>&
     text += format_ee_grid(study, findings, illumination, rule);
   }
   return text +
-         "  + some clamp level is not shown to be different   - none is   ? not tested   . not in the study\n";
+         "  + some clamp level is not shown to be different   - none is   ? not tested   . not in the "
+         "study\n";
 }
 
 std::string format_levels(const std::vector<int>& levels) {
