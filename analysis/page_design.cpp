@@ -275,7 +275,7 @@ std::string format_protocol(const Report& report) {
       followed, all, describe_protocol(*report.protocol),
       report.evidence.kind == SubjectKind::kPerson
           ? ""
-          : " Of this simulated subjects have the trials alone: consent, questions, examples and breaks are "
+          : " Of this, simulated subjects have the trials alone: consent, questions, examples and breaks are "
             "for persons.");
 }
 
