@@ -59,7 +59,11 @@ std::string describe_material(const Study& study, const std::string& token) {
                      found->rho_d, found->rho_s, found->roughness_alpha);
 }
 
-std::string describe_light(Illumination illumination) {
+std::string describe_light(const Study& study, Illumination illumination) {
+  if (!has_own_scene(study))
+    return illumination == Illumination::kIndirect
+               ? "the lights that the scene has on for indirect light alone"
+               : "all lights of the scene";
   return illumination == Illumination::kIndirect
              ? "the object is lit by what the room reflects: every lamp faces away from it"
              : "the same, and an area fixture that lights the object";
@@ -83,7 +87,7 @@ Table list_levels(const Study& study) {
   for (const auto& material : enumerate_materials(study))
     add("material", material, describe_material(study, material));
   for (const Illumination illumination : enumerate_illuminations(study))
-    add("illumination", describe_illumination(illumination), describe_light(illumination));
+    add("illumination", describe_illumination(illumination), describe_light(study, illumination));
   std::set<std::int64_t> counts;
   for (const Column& column : enumerate_columns(study)) counts.insert(column.vpl_count);
   std::vector<std::string> names;
@@ -235,10 +239,7 @@ std::string describe_questions(const SessionProtocol& protocol) {
 }
 
 std::string describe_protocol(const SessionProtocol& protocol) {
-  std::vector<std::string> parts;
-  parts.push_back(protocol.consent ? fmt::format("consent, version {}", escape_xml(protocol.consent->version))
-                                   : "no consent text");
-  parts.push_back(describe_questions(protocol));
+  std::vector<std::string> parts{describe_questions(protocol)};
   const auto familiarisation = describe_familiarisation(protocol);
   if (!familiarisation.empty()) parts.push_back(fmt::format("before: {}", fmt::join(familiarisation, ", ")));
   parts.push_back(describe_breaks(protocol));
@@ -258,7 +259,8 @@ std::string describe_protocol(const SessionProtocol& protocol) {
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-// Of both experiments' finished sessions, those that followed the folder's session.json.
+// Of both experiments' finished sessions, those that followed the folder's session.json. The consent text is
+// no part of its digest: which of its versions a person agreed to stands with the session.
 std::string format_protocol(const Report& report) {
   if (!report.protocol)
     return "<p>How sessions went is not known here: there is no <code>session.json</code>, or folders have "
@@ -295,7 +297,8 @@ struct FactRow {
   const char* words;
 };
 
-constexpr FactRow kCountRows[] = {{"age_band", "age band"},
+constexpr FactRow kCountRows[] = {{"consent_version", "consent text, version"},
+                                  {"age_band", "age band"},
                                   {"acuity", "acuity, as told"},
                                   {"colour_vision", "colour vision, as told"},
                                   {"ambient_light", "ambient light, as told"},
@@ -356,7 +359,10 @@ Table list_facts(const Report& report, const std::vector<Participation>& all) {
   for (const FactRow& row : kCountRows) {
     if (std::none_of(all.begin(), all.end(), [&](const auto& one) { return is_recorded(one, row.name); }))
       continue;
-    add(row.words, [&](const Participation& one) { return format_value_counts(one.counts.at(row.name)); });
+    add(row.words, [&](const Participation& one) -> std::string {
+      const auto found = one.counts.find(row.name);
+      return found == one.counts.end() ? "too few sessions to tell" : format_value_counts(found->second);
+    });
   }
   for (const FactRow& row : kRangeRows) {
     if (std::none_of(all.begin(), all.end(), [&](const auto& one) { return one.ranges.contains(row.name); }))
@@ -385,7 +391,7 @@ std::string format_overlap(const Report& report) {
       "the same code{}.</p>\n",
       material, subjects, both, artifact, artifact == 1 ? "code" : "codes",
       report.evidence.kind == SubjectKind::kPerson
-          ? ": the experiments are not independent samples of people"
+          ? ": where a code is one person, the experiments are not independent samples of people"
           : ", which is only a number: what they answer in one does not depend on the other");
 }
 
@@ -440,7 +446,8 @@ std::string format_participation(const Report& report) {
         "<p class=\"note\">No screen, viewing distance or size in degrees is recorded with these "
         "sessions.</p>\n";
   return text +
-         "<p class=\"note\">Counts are of finished sessions. From tables <code>session</code> and "
+         "<p class=\"note\">Counts are of finished sessions; what persons were asked is told of five and "
+         "more. From tables <code>session</code> and "
          "<code>field</code> of the logs; <code>report.json</code> has them as "
          "<code>participation</code>.</p>\n";
 }

@@ -237,6 +237,9 @@ std::string format_answered(const Report& report) {
 
 std::string describe_pruning(const Report& report) {
   if (report.evidence.material.finished.empty()) return "<p>No material session is finished yet.</p>\n";
+  if (!report.selection && !report.selections.empty())
+    return "<p>Some of the folders kept levels for the material experiment by a selection, and some have "
+           "none: the provenance of the study lists them.</p>\n";
   if (!report.selection)
     return "<p>By which selection levels went on to the material experiment is not known: the file is "
            "missing.</p>\n";

@@ -17,13 +17,17 @@ struct ValueRange {
   std::size_t sessions = 0;  ///< that recorded it
 };
 
+/// Of fewer sessions what was asked of a person is not told: beside the codes of `subjects.csv` it would be.
+inline constexpr std::size_t kFewestTold = 5;
+
 /// Nothing of a single participant: no codes, and no two things that were asked are crossed.
 struct Participation {
   std::size_t sessions = 0;
   std::string first_day;  ///< UTC, ISO 8601; empty without sessions
   std::string last_day;
   /// Sessions by value, a value of those that did not record it being "". shape: by name as in the log
-  /// (age_band, acuity, colour_vision, ambient_light, monitor, framebuffer, ...).
+  /// (age_band, acuity, colour_vision, ambient_light, monitor, framebuffer, ...); without the first three of
+  /// fewer than kFewestTold sessions.
   std::map<std::string, std::map<std::string, std::size_t>> counts;
   /// shape: by name as in the log; what no session recorded is left out. units: as in docs/responses.md
   std::map<std::string, ValueRange> ranges;

@@ -118,7 +118,9 @@ void add_sources(FolderReading& reading, const StudyFolder& folder, const Analyz
   reading.sources = load_sources(folder, reading.study, reading.evidence->kind);
   reading.warnings = find_source_warnings(reading.study, *reading.evidence, reading.sources);
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
-  if (params.verify) refuse_findings(findings, folder);
+  const bool counts =
+      !reading.evidence->artifact.finished.empty() || !reading.evidence->material.finished.empty();
+  if (params.verify && counts) refuse_findings(findings, folder);
   if (!findings.empty())
     reading.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
                                            format_finding(findings.front())));
@@ -144,9 +146,12 @@ void read_unfinished(std::vector<FolderReading>& readings, const AnalyzeParams& 
     const SubjectKind kind = first->evidence->kind;
     reading.evidence = load_evidence_of(folder, reading.study, kind);
     add_sources(reading, folder, params);
+    const std::size_t material = reading.evidence->material.finished.size();
     reading.warnings.push_back(
-        fmt::format("No artifact session of the kind {} is finished here: {} unfinished ones, none to count.",
-                    format_kind(kind), reading.evidence->artifact.unfinished));
+        fmt::format("No artifact session of the kind {} is finished here: {} unfinished ones, {}.",
+                    format_kind(kind), reading.evidence->artifact.unfinished,
+                    material == 0 ? "none to count"
+                                  : fmt::format("and {} finished material sessions, which count", material)));
   }
 }
 

@@ -103,10 +103,10 @@ SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices) 
       fmt::format(" --threads {} --job \"$SLURM_ARRAY_TASK_ID/{}\"\n",
                   params.threads > 0 ? std::to_string(params.threads) : "\"${SLURM_CPUS_PER_TASK:-0}\"",
                   params.count);
-  jobs.gather_text =
-      make_head(params, "equilux-gather") + make_call(params, "gather") +
-      fmt::format("\n{} verify {} --study {} --jobs {}\n", quote(params.program.string()),
-                  quote(params.folder.string()), quote(params.study_path.string()), params.count);
+  jobs.gather_text = make_head(params, "equilux-gather") + make_call(params, "gather") +
+                     fmt::format("\n{} verify {} --study {} --jobs {} --isa {}\n",
+                                 quote(params.program.string()), quote(params.folder.string()),
+                                 quote(params.study_path.string()), params.count, format_isa(params.isa));
   return jobs;
 }
 

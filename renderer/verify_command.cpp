@@ -54,6 +54,7 @@ void add_verify(CLI::App& app, CommandLine& line) {
                    "Shares that it was rendered in, to tell which failed or were lost")
       ->check(CLI::Range(1, kMostJobs))
       ->needs("--study");
+  add_machine(*verify, line);
   verify->footer("Example: equilux-render verify studies/pocket --study protocols/pocket.json");
   verify->callback([&line, options] { line.command = [options] { return run_verify(*options); }; });
 }

@@ -164,17 +164,6 @@ void print_latencies(std::vector<std::int64_t> latencies_ns) {
              at(.5), at(.99));
 }
 
-// By the protocol, which binds persons alone.
-std::string describe_way_on(const SessionInputs& inputs) {
-  const SessionProtocol& protocol = inputs.protocol;
-  if (inputs.kind == SubjectKind::kPerson && !protocol.may_resume)
-    return "the protocol lets nobody go on with it";
-  std::string text = "the same command with this code goes on with it";
-  if (inputs.kind == SubjectKind::kPerson && protocol.resume_within_hours)
-    text += fmt::format(", within {} hours of its last answer", *protocol.resume_within_hours);
-  return text;
-}
-
 std::string describe_end(const Session& session, const SessionInputs& inputs) {
   if (session.screen == Screen::kThanks) return "is complete";
   const char* end =

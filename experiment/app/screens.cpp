@@ -257,13 +257,12 @@ bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
   return page.press(button);
 }
 
-std::string describe_misfit(Size framebuffer, Size wanted) {
+std::string describe_misfit(Size framebuffer, Size wanted, const std::string& way_on) {
   return fmt::format(
       "The screen or window is now {} x {} pixels; this sitting began with {} x {}. Pictures are "
       "never scaled, cut off or moved: give it that size again (video mode, monitor, window manager), "
-      "and the session can go on here. Or close the window and start the session again with the same "
-      "participant code. Nothing is lost.",
-      framebuffer.width, framebuffer.height, wanted.width, wanted.height);
+      "and the session can go on here. If the window is closed, {}. What was answered is kept.",
+      framebuffer.width, framebuffer.height, wanted.width, wanted.height, way_on);
 }
 
 std::string read_reason(const PauseForm& form) {
@@ -277,7 +276,7 @@ PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, 
       "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
       view.progress.answered, view.progress.count));
   if (framebuffer != view.wanted) {
-    page.warn(describe_misfit(framebuffer, view.wanted));
+    page.warn(describe_misfit(framebuffer, view.wanted, view.way_on));
   } else if (page.press("Go on (F1)")) {
     return PauseChoice::kGoOn;
   }

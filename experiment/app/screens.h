@@ -96,12 +96,13 @@ struct PauseForm {
 
 std::string read_reason(const PauseForm& form);
 
-/// Why a paused session cannot go on in this framebuffer, and what to do.
-std::string describe_misfit(Size framebuffer, Size wanted);
+/// Why a paused session cannot go on in this framebuffer, and what to do; `way_on`: if the window is closed.
+std::string describe_misfit(Size framebuffer, Size wanted, const std::string& way_on);
 
 struct PauseView {
   TrialProgress progress;
-  Size wanted;  ///< the framebuffer for which the pictures were laid out; in another none can go on
+  Size wanted;         ///< the framebuffer for which the pictures were laid out; in another none can go on
+  std::string way_on;  ///< in words, if the window is closed
 };
 
 PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form);

@@ -73,6 +73,16 @@ std::vector<std::string> summarise(const Session& session, const SessionProtocol
   return lines;
 }
 
+std::string describe_way_on(const SessionInputs& inputs) {
+  const SessionProtocol& protocol = inputs.protocol;
+  if (inputs.kind == SubjectKind::kPerson && !protocol.may_resume)
+    return "the protocol lets nobody go on with it";
+  std::string text = "the same command with this code goes on with it";
+  if (inputs.kind == SubjectKind::kPerson && protocol.resume_within_hours)
+    text += fmt::format(", within {} hours of its last answer", *protocol.resume_within_hours);
+  return text;
+}
+
 SessionWindow::SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat,
                              const std::optional<PlantedPilot>& pilot)
     : window_(&window), gui_(&gui), work_(&work), seat_(&seat), pilot_(pilot), input_(work.layout) {}
@@ -84,6 +94,7 @@ void SessionWindow::run() {
     draw();
     window_->wait(gui_->has_events() ? 0 : pilot_ ? kPilotPatienceS : kPatienceS);
     note_changes();
+    pause_unless_it_fits();  // before an answer to a pair that is not as it was
     read_input();
     if (pilot_) fly();
     if (is_left_) return;
@@ -154,7 +165,7 @@ void SessionWindow::fly() {
     is_left_ = true;
     return;
   }
-  if (session().screen == Screen::kPause) return;
+  if (session().screen == Screen::kPause) return check_size();
   const std::int64_t now_ns = read_clock_ns();
   if (session().screen != Screen::kTrial) {
     take(ContinueEvent{now_ns});
@@ -204,6 +215,16 @@ void SessionWindow::note_changes() {
 }
 
 bool SessionWindow::is_over() const { return equilux::is_over(session()); }
+
+// Nobody is there to give the window its size again.
+void SessionWindow::check_size() const {
+  if (fits()) return;
+  const Size wanted = work_->layout.framebuffer, size = window_->framebuffer();
+  throw InputError(
+      "screen", "",
+      fmt::format("the framebuffer with which the session began, {} x {}", wanted.width, wanted.height),
+      fmt::format("{} x {}", size.width, size.height));
+}
 
 bool SessionWindow::fits() const { return window_->framebuffer() == work_->layout.framebuffer; }
 
@@ -328,7 +349,7 @@ bool SessionWindow::lay_out_page() {
 void SessionWindow::draw_pause_page() {
   window_->clear();
   gui_->begin_frame();
-  const PauseView view{find_progress(session()), work_->layout.framebuffer};
+  const PauseView view{find_progress(session()), work_->layout.framebuffer, describe_way_on(work_->inputs)};
   const PauseChoice choice = draw_pause(*gui_, window_->framebuffer(), view, pause_);
   gui_->end_frame();
   window_->swap();

@@ -21,6 +21,9 @@ struct PlantedPilot {
   double pace = 1;  ///< of the planted response times; 0 answers at once
 };
 
+/// Whether and how a session that ends here can go on later, by the protocol, which binds persons alone.
+std::string describe_way_on(const SessionInputs& inputs);
+
 class SessionWindow {
  public:
   SessionWindow(AppWindow& window, Gui& gui, const Workplace& work, Seat& seat,
@@ -61,6 +64,7 @@ class SessionWindow {
   void draw_pause_page();
   bool lay_out_page();
   bool lay_out_last_page() const;
+  void check_size() const;
   bool fits() const;
   void pause_unless_it_fits();
   bool is_over() const;

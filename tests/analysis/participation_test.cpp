@@ -27,7 +27,9 @@ Evidence make_people() {
       make_person("K7QX3C", "2026-03-02T09:00:00.000Z", 16.2, {{"age_band", "25-34"}, {"acuity", "normal"}}),
       make_person("M4TR9W", "2026-02-27T16:00:00.000Z", 15.5,
                   {{"age_band", "25-34"}, {"acuity", "corrected"}}),
-      make_person("P6VN3J", "2026-03-01T11:00:00.000Z", 15.9, {{"refresh_hz_measured", "59.950"}})};
+      make_person("P6VN3J", "2026-03-01T11:00:00.000Z", 15.9, {{"refresh_hz_measured", "59.950"}}),
+      make_person("Q2XW8H", "2026-03-01T13:00:00.000Z", 15.9, {{"consent_version", "2"}}),
+      make_person("T9DK4F", "2026-03-01T15:00:00.000Z", 15.9, {{"consent_version", "1"}})};
   evidence.material.finished = {
       make_person("M4TR9W", "2026-03-05T10:00:00.000Z", 16.0, {{"refresh_hz_measured", "no number"}})};
   return evidence;
@@ -35,11 +37,13 @@ Evidence make_people() {
 
 TEST(Participation, counts_answers_by_value_and_tells_dates_and_ranges) {
   const Participation sum = find_participation(make_people().artifact);
-  EXPECT_EQ(sum.sessions, 3U);
+  EXPECT_EQ(sum.sessions, 5U);
   EXPECT_EQ(sum.first_day, "2026-02-27");
   EXPECT_EQ(sum.last_day, "2026-03-02");
-  EXPECT_EQ(sum.counts.at("age_band"), (std::map<std::string, std::size_t>{{"", 1}, {"25-34", 2}}));
-  EXPECT_EQ(sum.counts.at("framebuffer"), (std::map<std::string, std::size_t>{{"1920x1200", 3}}));
+  EXPECT_EQ(sum.counts.at("age_band"), (std::map<std::string, std::size_t>{{"", 3}, {"25-34", 2}}));
+  EXPECT_EQ(sum.counts.at("consent_version"),
+            (std::map<std::string, std::size_t>{{"", 3}, {"1", 1}, {"2", 1}}));
+  EXPECT_EQ(sum.counts.at("framebuffer"), (std::map<std::string, std::size_t>{{"1920x1200", 5}}));
   EXPECT_EQ(sum.ranges.at("degrees_wide").least, 15.5);
   EXPECT_EQ(sum.ranges.at("degrees_wide").greatest, 16.2);
   EXPECT_EQ(sum.ranges.at("refresh_hz_measured").sessions, 1U);
@@ -53,9 +57,20 @@ TEST(Participation, takes_no_measure_from_what_is_no_number) {
 TEST(Participation, knows_who_sat_in_both_experiments_by_code) {
   Evidence evidence = make_people();
   EXPECT_EQ(count_in_both(evidence), 1U);
-  EXPECT_EQ(count_participants(evidence.artifact), 3U);
+  EXPECT_EQ(count_participants(evidence.artifact), 5U);
   evidence.material.finished[0].participant = "R3WM9D";
   EXPECT_EQ(count_in_both(evidence), 0U);
+}
+
+// Beside the code of a single session its age band would be that of a person.
+TEST(Participation, tells_of_a_few_sessions_nothing_that_persons_were_asked) {
+  const Evidence evidence = make_people();
+  const Participation few = find_participation(evidence.material);
+  for (const char* name : {"age_band", "acuity", "colour_vision"})
+    EXPECT_FALSE(few.counts.contains(name)) << name;
+  EXPECT_EQ(few.counts.at("monitor").size(), 1U);
+  const Report report = make_report(load_protocol("pocket"), evidence, Rule::kPaper, {}, {1, 10, 10});
+  EXPECT_NE(format_participation(report).find("too few sessions to tell"), std::string::npos);
 }
 
 TEST(Participation, names_nobody) {
@@ -69,7 +84,7 @@ TEST(Participation, names_nobody) {
     EXPECT_EQ(json.find(row.started_utc), std::string::npos) << "a day is enough";
   }
   EXPECT_NE(page.find("2026-02-27 to 2026-03-02"), std::string::npos);
-  EXPECT_NE(page.find("25-34 2, not recorded 1"), std::string::npos);
+  EXPECT_NE(page.find("25-34 2, not recorded 3"), std::string::npos);
   EXPECT_NE(page.find("degrees (target 16)</td><td>15.5 to 16.2"), std::string::npos);
   EXPECT_NE(page.find("not independent samples of people"), std::string::npos);
 }
@@ -119,8 +134,8 @@ TEST(Design, tells_pictures_trials_and_the_sessions_protocol) {
   const std::string design = format_design(make_report(study, evidence, Rule::kPaper, sources, {1, 10, 10}));
   for (const char* told :
        {"of another material (of 1 other,", "seen from the other view", "the upper one from one view",
-        "4 adjacent clamp levels", "by eye 8", "<td>32</td>", "12 planned, 3 finished",
-        "which 1 of 4 finished", "a break after every 20 trials or 10 minutes", "4 catch trials",
+        "4 adjacent clamp levels", "by eye 8", "<td>32</td>", "12 planned, 5 finished",
+        "which 1 of 6 finished", "a break after every 20 trials or 10 minutes", "4 catch trials",
         "acuity (required)"})
     EXPECT_NE(design.find(told), std::string::npos) << told << "\n" << design;
 }

@@ -34,9 +34,10 @@ TEST(Submit, ListsSharesAsSlurmDoes) {
                                       "set/slurm/%j.log' '/x/a set/slurm/gather.sh'"}));
   EXPECT_THAT(jobs.array_text, HasSubstr("#SBATCH --time=2:00:00\n"));
   EXPECT_THAT(jobs.array_text, HasSubstr("--isa v3"));
-  EXPECT_THAT(jobs.gather_text,
-              HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
-                        "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json' --jobs 12\n"));
+  EXPECT_THAT(
+      jobs.gather_text,
+      HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
+                "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json' --jobs 12 --isa v3\n"));
   EXPECT_EQ(format_sbatch(make_slurm_jobs(params, {})),
             std::vector<std::string>{
                 "sbatch --parsable --output='/x/a set/slurm/%j.log' '/x/a set/slurm/gather.sh'"});
