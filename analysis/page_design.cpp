@@ -13,7 +13,6 @@
 namespace equilux {
 namespace {
 
-constexpr const char* kDash = "&ndash;";
 constexpr const char* kOwnScene = "cafe.json";  ///< of which these notes speak; a test holds them to it
 
 struct LevelNote {

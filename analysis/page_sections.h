@@ -1,6 +1,7 @@
 // The parts of the page, each a function of the report. Only page.cpp includes this.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,15 @@ struct OwnMaterial {
   float rho_d, rho_s, roughness_alpha;  ///< the last two are 0 for Lambertian
 };
 const std::vector<OwnMaterial>& own_scene_materials();
+
+/// In a field that has no value.
+inline constexpr const char* kDash = "&ndash;";
+
+/// "0.25", or the dash.
+std::string format_share(const std::optional<double>& value);
+
+/// "0.0123", "&lt; 0.0001".
+std::string format_small(double p);
 
 /// "31.6", "no clamp". units: 1/m^2
 std::string format_clamp_value(int level);

@@ -114,13 +114,16 @@ ReportSources load_sources(const StudyFolder& folder, const Study& study, Subjec
   return sources;
 }
 
+// Some that are counted.
+bool has_answers(const FolderReading& reading) {
+  return !reading.evidence->artifact.finished.empty() || !reading.evidence->material.finished.empty();
+}
+
 void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
   reading.sources = load_sources(folder, reading.study, reading.evidence->kind);
   reading.warnings = find_source_warnings(reading.study, *reading.evidence, reading.sources);
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
-  const bool counts =
-      !reading.evidence->artifact.finished.empty() || !reading.evidence->material.finished.empty();
-  if (params.verify && counts) refuse_findings(findings, folder);
+  if (params.verify && has_answers(reading)) refuse_findings(findings, folder);
   if (!findings.empty())
     reading.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
                                            format_finding(findings.front())));
@@ -198,10 +201,6 @@ void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment
                       "leaving out take the sessions of a code for one subject, tallies do not",
                       participant, format_experiment(experiment), count, participant));
   }
-}
-
-bool has_answers(const FolderReading& reading) {
-  return !reading.evidence->artifact.finished.empty() || !reading.evidence->material.finished.empty();
 }
 
 // What stands beside answers that are counted; a folder without any has no say.
