@@ -145,7 +145,11 @@ void read_unfinished(std::vector<FolderReading>& readings, const AnalyzeParams& 
   for (FolderReading& reading : readings) {
     if (reading.evidence) continue;
     const StudyFolder folder{reading.name};
-    if (first == readings.end()) load_evidence(folder, reading.study, params.kind);
+    if (first == readings.end()) {  // refused, unless a session was finished since it was read
+      reading.evidence = load_evidence(folder, reading.study, params.kind);
+      add_sources(reading, folder, params);
+      continue;
+    }
     const SubjectKind kind = first->evidence->kind;
     reading.evidence = load_evidence_of(folder, reading.study, kind);
     add_sources(reading, folder, params);

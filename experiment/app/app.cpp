@@ -234,7 +234,8 @@ int run_app(const AppParams& given) {
     if (!seat) return kExitOk;
     SessionWindow(*window, gui, *work, *seat, make_pilot(params, *work, *seat)).run();
   } catch (const std::exception& error) {
-    show_stop(*window, gui, work->texts, error.what());
+    // A planted subject has nobody beside it who could read and close the screen.
+    if (!params.planted_seed) show_stop(*window, gui, work->texts, error.what());
     throw;
   }
   print_outcome(*work, *seat);

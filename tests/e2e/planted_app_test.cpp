@@ -1,11 +1,14 @@
 // A planted subject in front of the real window: the log of the headless one, and a session as long as the
 // paper's.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#include <thread>
 
 #include "tests/e2e/child_process.h"
 #include "tests/e2e/x_display.h"
@@ -32,9 +35,9 @@ class PlantedAppTest : public testing::Test {
     save_text(folder.session(), kProtocol);
     return folder;
   }
-  ChildProcess show(const StudyFolder& folder) const {
+  ChildProcess show(const StudyFolder& folder, const std::string& pace = "0") const {
     return ChildProcess(
-        {kProgram, "run", folder.root.string(), "--experiment", "artifact", "--planted", "5", "--pace", "0"},
+        {kProgram, "run", folder.root.string(), "--experiment", "artifact", "--planted", "5", "--pace", pace},
         {{"DISPLAY", display_.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}});
   }
 
@@ -57,6 +60,21 @@ Rows load_showings(const StudyFolder& folder) {
       .query(
           "SELECT session, trial, kind FROM event WHERE kind IN ('showing', 'answer', 'break', 'finish') "
           "ORDER BY id");
+}
+
+// Nobody is there who could give it its size again: it says so, and does not wait for ever.
+TEST_F(PlantedAppTest, BeforeAWindowThatBecomesAnotherSizeEndsWithAnError) {
+  const StudyFolder folder = make_study("resized", "pocket", 28, 21);
+  ChildProcess app = show(folder, "10");
+  const auto has_begun = [&] {
+    return std::filesystem::exists(folder.responses()) && !load_showings(folder).empty();
+  };
+  for (int turn = 0; turn < 600 && !has_begun(); ++turn)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_TRUE(has_begun());
+  display_.resize_windows(900, 700);
+  EXPECT_NE(app.wait(), 0);
+  EXPECT_THAT(app.read_output(), HasSubstr("expected the framebuffer with which the session began"));
 }
 
 TEST_F(PlantedAppTest, LeavesTheLogOfTheHeadlessOneButForTimes) {
