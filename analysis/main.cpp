@@ -67,6 +67,7 @@ void add_report(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   report->add_flag("--no-plot", options.no_plot, "Draw no figures; gnuplot is then not needed");
+  report->add_flag("--force", options.force, "Replace files of these names that no report wrote");
   report->add_flag("--no-verify", options.no_verify,
                    "Report on pictures that are missing, changed or too noisy too, and say so");
   report->footer("Example:\n  equilux-analyze report studies/pocket --kind planted");

@@ -337,7 +337,7 @@ int run_report(const AnalyzeParams& params) {
   const auto folder = params.out.empty() ? first.report_folder() : params.out;
   ReportFiles files = make_report_files(reports);
   if (params.plot) files.merge(draw_figures(reports));
-  const auto others = save_report(files, folder);
+  const auto others = save_report(files, folder, params.force);
   for (const Report& report : reports) print_study(report, reports.size() == 1);
   fmt::print("report: {}\n{}", (folder / kReportPage).string(), describe_others(others));
   return kExitOk;

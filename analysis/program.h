@@ -17,7 +17,7 @@ struct AnalyzeParams {
   Rule rule = Rule::kPaper;
   UncertaintyParams uncertainty;
   bool plot = true;    ///< draw figure-*.svg and figure-*.pdf by gnuplot
-  bool force = false;  ///< export may replace files that differ
+  bool force = false;  ///< export may replace files that differ; a report those that no report wrote
   bool verify = true;  ///< refuse pictures that are not those recorded; false: warn in the report
 };
 
@@ -30,7 +30,8 @@ std::vector<Report> load_reports(const AnalyzeParams& params);
 int run_prune(const AnalyzeParams& params);
 
 /// Writes report/, from which files of an earlier report go, and prints the EE table. Gives the exit code.
-/// errors: InputError, StoreError
+/// errors: InputError, also, unless `params.force`, where the report would replace what no report wrote: then
+/// nothing is written; StoreError
 int run_report(const AnalyzeParams& params);
 
 /// Writes answers.csv and its csv-metadata.json into a folder. Gives the exit code. errors: InputError, also,

@@ -94,6 +94,31 @@ void remove_earlier(const FileList& earlier, const ReportFiles& files, const fs:
   }
 }
 
+// Builds before the list left none; what they wrote is known by its report.json.
+bool has_unlisted_report(const fs::path& folder) {
+  const fs::path path = folder / "report.json";
+  if (path_exists(folder / kReportList) || !is_file(path)) return false;
+  try {
+    const Json json = parse_json(load_text(path), path.string());
+    return get_text(json, "schema", path.string(), "") == "equilux-report";
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+void check_replaced(const FileList& earlier, const FileList& now, const fs::path& folder) {
+  if (has_unlisted_report(folder)) return;
+  for (const auto& [name, digest] : now) {
+    const fs::path path = folder / name;
+    if (!is_file(path)) continue;
+    const std::string found = digest_file(path);
+    if (found == digest || earlier.contains({name, found})) continue;
+    throw InputError(path.string(), "", "no file of this name, or one that a report wrote",
+                     earlier.empty() ? "one of no report; --force replaces it"
+                                     : "one of no report or changed since; --force replaces it");
+  }
+}
+
 std::vector<std::string> find_others(const ReportFiles& files, const fs::path& folder) {
   std::vector<std::string> others;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -106,10 +131,11 @@ std::vector<std::string> find_others(const ReportFiles& files, const fs::path& f
 
 }  // namespace
 
-std::vector<std::string> save_report(const ReportFiles& files, const fs::path& folder) {
+std::vector<std::string> save_report(const ReportFiles& files, const fs::path& folder, bool force) {
+  const FileList earlier = load_list(folder), now = list_files(files);
+  if (!force) check_replaced(earlier, now, folder);
   make_folder(folder);
   remove_stale_parts(folder);
-  const FileList earlier = load_list(folder), now = list_files(files);
   FileList both = earlier;
   both.insert(now.begin(), now.end());
   save_list(both, folder);

@@ -13,6 +13,7 @@
 namespace equilux::tests {
 namespace {
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -72,6 +73,33 @@ TEST_F(ReportFolder, keeps_a_file_of_an_earlier_report_that_was_changed_or_repla
   EXPECT_THAT(save_report(kFew, folder_), ElementsAre("figure-pocket-ind.svg", "graph-paper-G0-MS-ind.svg"));
   EXPECT_EQ(read().at("figure-pocket-ind.svg"), "drawn, and edited");
   EXPECT_EQ(load_text(temporary_ / "elsewhere.svg"), "graph");
+}
+
+// Changed files of the last report too; the same bytes are no matter.
+TEST_F(ReportFolder, replaces_under_its_names_nothing_that_no_report_wrote_unless_told_to) {
+  make_folder(folder_);
+  save_text(folder_ / "index.html", "a page of mine");
+  save_text(folder_ / "cells.csv", kFew.at("cells.csv"));
+  EXPECT_THAT(message_of<InputError>([&] { save_report(kFew, folder_); }),
+              AllOf(HasSubstr("index.html: expected"), HasSubstr("one of no report; --force replaces it")));
+  EXPECT_EQ(read().at("index.html"), "a page of mine");
+  EXPECT_FALSE(fs::exists(folder_ / kReportList));
+  EXPECT_THAT(save_report(kFew, folder_, true), IsEmpty());
+  EXPECT_EQ(read(), kFew);
+  save_text(folder_ / "cells.csv", "cells, with my notes");
+  EXPECT_THAT(message_of<InputError>([&] { save_report(kMany, folder_); }),
+              AllOf(HasSubstr("cells.csv: expected"), HasSubstr("changed since; --force replaces it")));
+  EXPECT_EQ(read(), (ReportFiles{{"cells.csv", "cells, with my notes"}, {"index.html", "few"}}));
+  save_report(kMany, folder_, true);
+  EXPECT_EQ(read(), kMany);
+}
+
+TEST_F(ReportFolder, replaces_a_report_of_a_build_that_left_no_list) {
+  make_folder(folder_);
+  save_text(folder_ / "index.html", "an older page");
+  save_text(folder_ / "report.json", R"({"schema": "equilux-report", "schema_version": 1})");
+  EXPECT_THAT(save_report(kFew, folder_), ElementsAre("report.json"));
+  EXPECT_EQ(read().at("index.html"), "few");
 }
 
 TEST_F(ReportFolder, does_not_miss_a_file_that_was_deleted) {

@@ -59,8 +59,16 @@ TEST(Jobs, AreNamedByIndexAndCount) {
     EXPECT_THAT(message_of<InputError>([&] { parse_job(text); }), HasSubstr("--job: expected I/N")) << text;
 }
 
-TEST(Jobs, GatheredAreByteForByteWhatOneProcessMakes) {
-  const test::TinyStudy study;
+class EveryMethod : public testing::TestWithParam<const char*> {};
+
+// Plain sums beside path-traced references; cuts of 30,000 VPLs beside references by VPL sets and
+// compensation.
+INSTANTIATE_TEST_SUITE_P(Jobs, EveryMethod, testing::Values("", "compensated-many"), [](const auto& row) {
+  return std::string(row.param).empty() ? "Sums" : "CutsAndCompensation";
+});
+
+TEST_P(EveryMethod, GatheredIsByteForByteWhatOneProcessMakes) {
+  const test::TinyStudy study(GetParam());
   make_set(params_of(study, "whole"));
   const auto whole = digest_products(study.folder() / "whole");
   for (const int index : {2, 3, 1}) {

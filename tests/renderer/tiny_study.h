@@ -34,7 +34,8 @@ class TinyStudy {
  private:
   void write(const std::string& variant, std::uint64_t seed) {
     const bool normalise = variant.starts_with("normalise"), many = variant.ends_with("many"),
-               one_light = normalise || variant == "compensated", gallery = variant == "gallery";
+               compensated = variant.starts_with("compensated"), one_light = normalise || compensated,
+               gallery = variant == "gallery";
     const std::string count = many ? "30k" : "100";
     const std::string geometry = gallery ? "Knot" : "G0";
     const std::filesystem::path source = EQUILUX_SOURCE_DIR;
@@ -42,7 +43,7 @@ class TinyStudy {
     json.set("scene", (source / "stimuli/scenes" / (gallery ? "gallery.json" : "cafe.json")).string())
         .set("seed", seed);
     json.set("image", parse_json(R"({"width":24,"height":18})", "")).set("subpixel_positions", 2);
-    if (variant == "compensated") {
+    if (compensated) {
       json.set("image", parse_json(R"({"width":64,"height":48})", ""));
       json.set("noise_target", parse_json(R"({"object_mean":3,"object_p99":9,"outside_mean":60})", ""));
     } else {

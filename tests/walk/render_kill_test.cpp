@@ -85,6 +85,8 @@ Words set_words(const test::TinyStudy& study, const fs::path& out, int threads) 
 
 class RenderSet : public ::testing::Test {
  protected:
+  explicit RenderSet(const std::string& variant = "") : study_(variant) {}
+
   /// Kills a run once the folder holds this many files, and a moment later; false if it was over before.
   bool kill_at(std::size_t files, std::chrono::duration<double> moment, int threads) {
     Child child(EQUILUX_BIN_DIR "/equilux-render", set_words(study_, disturbed_, threads));
@@ -128,6 +130,31 @@ TEST_F(RenderSet, KilledLeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
   RecordProperty("kills_in_mid_set", in_mid_set);
   EXPECT_GE(kills, kKills);
   EXPECT_GE(in_mid_set, kKills / 2) << "kills must fall while layers and pictures are being made";
+  run_well("render", set_words(study_, disturbed_, 3));
+  EXPECT_EQ(digest_products(disturbed_), whole);
+}
+
+// References by VPL sets and compensation, and cuts of 30,000 VPLs.
+class RenderDearSet : public RenderSet {
+ protected:
+  RenderDearSet() : RenderSet("compensated-many") {}
+};
+
+// Seed 52: while each of the first references is made, and among the first cuts.
+TEST_F(RenderDearSet, KilledAmongReferencesAndCutsGoesOnToTheSameBytes) {
+  run_well("render", set_words(study_, undisturbed_, 2));
+  const auto whole = digest_products(undisturbed_);
+  RandomStream random(52, "render kill", 0);
+  std::size_t held = 0;
+  for (const std::size_t more : {0u, 6u, 6u, 15u}) {
+    ASSERT_TRUE(kill_at(held + more, std::chrono::duration<double>(0.2 * random.next_double()), 2));
+    ASSERT_THAT(find_damaged(disturbed_), IsEmpty()) << "from " << held;
+    const std::size_t now = digest_products(disturbed_).size();
+    EXPECT_GE(now, held) << "nothing that was whole is lost";
+    held = now;
+  }
+  EXPECT_GT(held, 10u);
+  EXPECT_LT(held, whole.size());
   run_well("render", set_words(study_, disturbed_, 3));
   EXPECT_EQ(digest_products(disturbed_), whole);
 }
