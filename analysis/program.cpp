@@ -19,7 +19,7 @@
 #include "base/files.h"
 #include "base/program.h"
 #include "protocols/session_protocol.h"
-#include "stimuli/verify_pictures.h"
+#include "stimuli/verdict.h"
 
 namespace equilux {
 namespace {
@@ -74,6 +74,7 @@ std::string describe_outcome(PruneOutcome outcome, const std::string& path) {
 std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study,
                                      const std::optional<Manifest>& manifest) {
   if (!manifest) return {};
+  if (auto found = find_verdict(folder); !found.empty()) return found;
   std::vector<std::string> keys;
   for (const auto& [key, picture] : manifest->pictures) keys.push_back(key);
   return verify_pictures(folder, study, *manifest, keys);

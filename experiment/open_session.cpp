@@ -16,7 +16,7 @@
 #include "protocols/windows.h"
 #include "stimuli/manifest.h"
 #include "stimuli/selection.h"
-#include "stimuli/verify_pictures.h"
+#include "stimuli/verdict.h"
 
 namespace equilux {
 namespace {
@@ -201,6 +201,7 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
       enumerate_familiar_pages(inputs.study, inputs.protocol, inputs.experiment, inputs.cells);
   const auto keys = enumerate_session_keys(inputs);
   inputs.digests.manifest = digest_pictures(manifest, keys, folder.manifest().string());
+  refuse_findings(find_verdict(folder), folder);
   refuse_findings(verify_pictures(folder, inputs.study, manifest, keys), folder);
   return inputs;
 }

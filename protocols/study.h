@@ -38,6 +38,7 @@ struct NoiseTarget {
   double object_mean = 0;
   double object_p99 = 0;
   double outside_mean = 0;
+  bool operator==(const NoiseTarget&) const = default;
 };
 
 enum class Exposure {

@@ -92,6 +92,9 @@ void check_words(const SubmitParams& params) {
       throw InputError("--sbatch", "", "an option without dashes, such as time=2:00:00", option);
   }
   const fs::path& folder = params.folder;
+  // Of the names of logs Slurm reads one as a sign.
+  if (folder.string().find('\\') != std::string::npos)
+    throw InputError("--out", "", "a folder without a backslash in its name", "\"" + folder.string() + "\"");
   if (folder.empty() || (path_exists(folder) && !fs::is_directory(folder)))
     throw InputError("--out", "", "a folder, or the name of one to make", "\"" + folder.string() + "\"");
 }
@@ -104,7 +107,15 @@ int run_submit(const SubmitOptions& options, const CommandLine& line) {
   params.program = fs::canonical("/proc/self/exe");
   params.study_path = fs::absolute(params.study_path);
   params.folder = fs::absolute(params.folder);
-  const SlurmJobs jobs = make_slurm_jobs(params, find_unfinished(params));
+  std::vector<int> unfinished = find_unfinished(params);
+  for (const int index : find_running(params, unfinished)) {
+    fmt::print(
+        "share {} of {} is being rendered: not submitted again; what is missing when its job has ended, "
+        "submit then\n",
+        index, params.count);
+    std::erase(unfinished, index);
+  }
+  const SlurmJobs jobs = make_slurm_jobs(params, std::move(unfinished));
   fmt::print("{} of {} shares to render\n", jobs.indices.size(), params.count);
   if (options.dry_run) {
     for (const std::string& command : format_sbatch(jobs)) fmt::print("{}\n", command);

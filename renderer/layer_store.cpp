@@ -30,6 +30,17 @@ void copy_layer(const fs::path& source, const fs::path& target) {
   });
 }
 
+// That a file is the layer that its record takes it for: its bytes say what they are.
+void check_origin(const ExrMetadata& metadata, const std::string& name, const std::string& made_from,
+                  const fs::path& path) {
+  for (const auto& [member, meant] : {std::pair{"equilux_key", &name}, {"equilux_made_from", &made_from}}) {
+    const auto found = metadata.find(member);
+    const std::string& told = found == metadata.end() ? "none" : found->second;
+    if (told != *meant)
+      throw InputError(path.string(), member, fmt::format("{}, as in layers.json", *meant), told);
+  }
+}
+
 }  // namespace
 
 LayerStore::LayerStore(StudyFolder folder, const Study& study)
@@ -98,7 +109,9 @@ HdrImage LayerStore::load(const std::string& name) const {
     throw InputError(path.string(), "",
                      fmt::format("the file recorded in layers.json, digest {}", layer.digest), digest);
   }
-  HdrImage image = load_exr(path, PixelSize{width_, height_}).image;
+  ExrFile file = load_exr(path, PixelSize{width_, height_});
+  check_origin(file.metadata, name, layer.made_from, path);
+  HdrImage image = std::move(file.image);
   const int channels = name.ends_with(".coverage") ? 1 : 3;
   if (image.channels != channels)
     throw InputError(path.string(), "", fmt::format("a layer of {} channels", channels),

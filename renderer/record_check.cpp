@@ -13,11 +13,21 @@ constexpr double kMostErrors = 7;
 
 }  // namespace
 
-std::string find_uncertified(const LayerRecord& layer) {
-  if (layer.vpls.is_null()) return "";
-  const Json* certified = layer.vpls.find("certified");
-  if (!certified || certified->as_bool()) return "";
+std::string find_uncertified(const LayerRecord& layer, bool wanted) {
+  const Json* certified = layer.vpls.is_null() ? nullptr : layer.vpls.find("certified");
+  if (!certified) return wanted ? "its record does not say whether its cuts are certified" : "";
+  if (certified->as_bool()) return "";
   return "not certified, more than 1 % of its points err by 1 % or more";
+}
+
+std::string find_unchecked(const LayerRecord& layer, const Study& study) {
+  const Json* method = layer.reference.is_null() ? nullptr : layer.reference.find("method");
+  if (!method) {
+    const bool is_asked_for = !study.paths && study.reference == ReferenceMethod::kCompensated;
+    return is_asked_for ? "its record does not say how it was made" : "";
+  }
+  if (method->as_string() != "compensated" || layer.reference.find("check")) return "";
+  return "by VPL sets, without the path-traced check of its regions";
 }
 
 std::vector<std::string> find_failed_checks(const LayerRecord& layer) {

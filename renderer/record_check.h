@@ -4,12 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "protocols/study.h"
 #include "stimuli/layers.h"
 
 namespace equilux {
 
-/// Of a VPL layer whose study asks for certified cuts: that they are not. Else empty.
-std::string find_uncertified(const LayerRecord& layer);
+/// Of a VPL layer that says that its cuts are not certified, or says nothing where they are `wanted`. Else
+/// empty.
+std::string find_uncertified(const LayerRecord& layer, bool wanted = false);
+
+/// Of the indirect light of a reference: that it is said to be by VPL sets without a check, or, where the
+/// study asks for VPL sets, that nothing is said. Else empty.
+std::string find_unchecked(const LayerRecord& layer, const Study& study);
 
 /// Of a reference by VPL sets, from the record of its indirect light or of its background: regions whose mean
 /// is further from their path-traced check than chance explains.

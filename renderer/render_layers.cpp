@@ -1,12 +1,16 @@
 // The renderer's order of work: geometry and illumination, then references by view, then VPL counts.
 #include "renderer/render_layers.h"
 
+#include <algorithm>
+
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/progress.h"
 #include "renderer/cut_error.h"
 #include "renderer/reference.h"
 #include "renderer/shade.h"
 #include "renderer/stopwatch.h"
+#include "renderer/vpl.h"
 #include "renderer/work.h"
 
 namespace equilux {
@@ -447,11 +451,36 @@ void render_group(const GroupJob& job, const WorldKey& key, const Wanted& missin
   }
 }
 
+// Of a pixel and material: layers of five kinds, with the sums that their errors come from.
+constexpr std::uint64_t kBytesOfMaterial = 190;
+
+// What a view's pixels and the layers of its materials take at least.
+std::uint64_t estimate_view_memory(const Study& study) {
+  std::set<std::string> materials;
+  for (const Block& block : study.blocks) materials.insert(block.materials.begin(), block.materials.end());
+  const auto pixels = static_cast<std::uint64_t>(study.width) * static_cast<std::uint64_t>(study.height);
+  return pixels * (static_cast<std::uint64_t>(study.subpixel_positions) * sizeof(PrimaryHit) +
+                   kBytesOfMaterial * materials.size());
+}
+
+// What is not there is said before hours of work, not after.
+void check_memory(const Study& study, const Wanted& missing) {
+  const auto nothing = [] {};
+  with_memory(fmt::format("pictures of {} x {} pixels, {} positions each", study.width, study.height,
+                          study.subpixel_positions),
+              estimate_view_memory(study), nothing);
+  std::int64_t most = 0;
+  for (const Condition& condition : missing.conditions)
+    most = std::max(most, condition.cell.column.vpl_count);
+  with_vpl_memory(most, nothing);
+}
+
 }  // namespace
 
 double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
                      WorkLog& log, std::map<std::string, double>& seconds) {
   const Study& study = recipes.study;
+  check_memory(study, missing);
   const auto groups = group_layers(missing);
   std::map<WorldKey, World> worlds;
   std::map<WorldKey, WorldCosts> costs;

@@ -15,6 +15,7 @@
 #include "renderer/set_pictures.h"
 #include "renderer/stopwatch.h"
 #include "renderer/timing.h"
+#include "stimuli/verdict.h"
 
 namespace equilux {
 namespace {
@@ -62,6 +63,7 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
     make_folder(part);
     remove_stale_parts(part);
   }
+  remove_verdict(folder);
   // What is damaged is said before hours of work, not after.
   if (path_exists(folder.manifest())) load_manifest(folder.manifest());
   load_timing(folder);
@@ -122,6 +124,11 @@ class SetMaker {
 
   // Before anything is made.
   void check_folders() const {
+    std::error_code none;
+    if (fs::equivalent(params_.study_path, folder_.study(), none) &&
+        load_text(folder_.study()) != format_json(study_.source))
+      throw InputError(folder_.study().string(), "", "a folder whose study.json may be written",
+                       "the study file itself; --out names another folder");
     for (const fs::path& other : params_.reuse) load_folder_study({other});
     if (!params_.render) load_folder_study(folder_);
   }
@@ -219,6 +226,7 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const Study study = load_folder_study(folder);
   const FolderLock lock(root);
   check_not_busy(lock, root);
+  remove_verdict(folder);
   const LayerStore store(folder, study);
   SetSummary summary;
   summary.target = study.noise_target;

@@ -34,12 +34,24 @@ SheetRequest to_request(const SheetOptions& options) {
   return request;
 }
 
+// Where no name is given: in the study folder, by what is on it.
+void name_files(const SheetOptions& options, SheetRequest& request) {
+  if (!request.out.empty()) return;
+  std::string name = "sheet-" + options.kind;
+  for (const std::string& part : {request.params.object, options.illumination, options.view})
+    if (!part.empty()) name += "-" + part;
+  request.out = request.folder / (name + ".png");
+  if (request.html.empty()) request.html = request.folder / (name + ".html");
+}
+
 int write_sheet(const SheetOptions& options) {
-  const SheetSummary summary = make_sheet(to_request(options));
+  SheetRequest request = to_request(options);
+  name_files(options, request);
+  const SheetSummary summary = make_sheet(request);
   fmt::print("{} pictures, {} not rendered; {} x {} pixels\n", summary.pictures, summary.missing,
              summary.width, summary.height);
-  fmt::print("{}\n", options.request.out.string());
-  if (!options.request.html.empty()) fmt::print("{}\n", options.request.html.string());
+  fmt::print("{}\n", request.out.string());
+  if (!request.html.empty()) fmt::print("{}\n", request.html.string());
   return kExitOk;
 }
 
@@ -86,7 +98,8 @@ void add_sheet(CLI::App& app, CommandLine& line) {
   SheetRequest& request = options->request;
   CLI::App* sheet = app.add_subcommand("sheet", "Put pictures of a study folder side by side, labelled");
   sheet->add_option("folder", request.folder, "Study folder")->required();
-  sheet->add_option("--out", request.out, "PNG to write")->required();
+  sheet->add_option("--out", request.out,
+                    "PNG to write (default: one named by what is on it, and its page, in the study folder)");
   sheet->add_option("--html", request.html, "Page to write too, whose pictures can be enlarged");
   sheet
       ->add_option("--kind", options->kind,

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/folder_lock.h"
 #include "renderer/jobs.h"
 
 namespace equilux {
@@ -46,16 +47,23 @@ std::string format_indices(const std::vector<int>& indices) {
   return text;
 }
 
+// Slurm puts numbers where a name has a percent sign, unless there are two.
+std::string name_log(const fs::path& folder, const char* name) {
+  std::string text;
+  for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
+  return quote(text + "/" + name);
+}
+
 std::string format_array_call(const SlurmJobs& jobs) {
   return fmt::format("sbatch --parsable --array={} --output={} {}", format_indices(jobs.indices),
-                     quote((jobs.array_script.parent_path() / "%A-%a.log").string()),
+                     name_log(jobs.array_script.parent_path(), "%A-%a.log"),
                      quote(jobs.array_script.string()));
 }
 
 std::string format_gather_call(const SlurmJobs& jobs, const std::string& after) {
   const std::string dependency = after.empty() ? "" : " --dependency=afterany:" + after;
   return fmt::format("sbatch --parsable{} --output={} {}", dependency,
-                     quote((jobs.gather_script.parent_path() / "%j.log").string()),
+                     name_log(jobs.gather_script.parent_path(), "%j.log"),
                      quote(jobs.gather_script.string()));
 }
 
@@ -92,6 +100,15 @@ std::vector<int> find_unfinished(const SubmitParams& params) {
   return unfinished;
 }
 
+std::vector<int> find_running(const SubmitParams& params, const std::vector<int>& indices) {
+  std::vector<int> running;
+  for (const int index : indices) {
+    const fs::path share = StudyFolder{params.folder}.job(format_job_folder({index, params.count}));
+    if (fs::exists(share) && FolderLock(share).is_busy()) running.push_back(index);
+  }
+  return running;
+}
+
 SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices) {
   SlurmJobs jobs;
   jobs.indices = std::move(indices);
@@ -103,10 +120,11 @@ SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices) 
       fmt::format(" --threads {} --job \"$SLURM_ARRAY_TASK_ID/{}\"\n",
                   params.threads > 0 ? std::to_string(params.threads) : "\"${SLURM_CPUS_PER_TASK:-0}\"",
                   params.count);
-  jobs.gather_text = make_head(params, "equilux-gather") + make_call(params, "gather") +
-                     fmt::format("\n{} verify {} --study {} --jobs {} --isa {}\n",
-                                 quote(params.program.string()), quote(params.folder.string()),
-                                 quote(params.study_path.string()), params.count, format_isa(params.isa));
+  jobs.gather_text =
+      make_head(params, "equilux-gather") + "failed=0\n" + make_call(params, "gather") +
+      fmt::format(" || failed=1\n{} verify {} --study {} --jobs {} --isa {} || failed=1\nexit $failed\n",
+                  quote(params.program.string()), quote(params.folder.string()),
+                  quote(params.study_path.string()), params.count, format_isa(params.isa));
   return jobs;
 }
 

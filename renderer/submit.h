@@ -32,6 +32,9 @@ struct SlurmJobs {
 /// errors: InputError for what study or scene lack
 std::vector<int> find_unfinished(const SubmitParams& params);
 
+/// Those of them that a process renders at this moment. errors: StoreError
+std::vector<int> find_running(const SubmitParams& params, const std::vector<int>& indices);
+
 SlurmJobs make_slurm_jobs(const SubmitParams& params, std::vector<int> indices);
 
 /// Writes the scripts. errors: StoreError

@@ -107,6 +107,9 @@ class FamilyVerifier {
     add(key + ".indirect", find_misplaced(family.indirect, family.coverage, is_on_object));
     add(key + ".standard_error",
         find_misplaced(family.standard_error, family.coverage, [](float) { return true; }));
+    if (sum_light(family.standard_error) == 0 && sum_light(family.indirect) > 0)
+      add(key + ".standard_error", "black, where light was sampled");
+    add(key + ".indirect", find_unchecked(set_.store.record(layer_name(family_, "indirect")), set_.study));
     for (const char* content : {"indirect", "background"}) {
       for (std::string& text : find_failed_checks(set_.store.record(layer_name(family_, content))))
         add(fmt::format("{}.{}", key, content), std::move(text));
@@ -130,7 +133,7 @@ class FamilyVerifier {
                              value));
     }
     shown_ = load_shown(record->second);
-    if (!shown_) return;  // found before
+    if (!shown_) return;
     if (shown_->values != compose_picture(*loaded_, loaded_->indirect).values)
       add(key, "the picture is not that of its layers");
   }
@@ -140,19 +143,20 @@ class FamilyVerifier {
     const HdrImage layer = load_vpl_layer(set_.store, condition);
     const std::string name = vpl_layer_name(condition);
     add(name, find_misplaced(layer, loaded_->coverage, is_on_object));
-    add(name, find_uncertified(set_.store.record(name)));
+    const bool is_cut = !is_summed_plainly(condition.cell.column.vpl_count);
+    add(name, find_uncertified(set_.store.record(name), is_cut && set_.study.certified));
     if (!condition.cell.normalised)
       light_[condition.cell.column][condition.cell.clamp_level] = sum_light(layer);
     const auto record = set_.manifest.pictures.find(key);
     if (record == set_.manifest.pictures.end()) return;
     const auto picture = load_shown(record->second);
-    if (!picture) return;  // found before
+    if (!picture) return;
     if (picture->values != compose_picture(*loaded_, layer).values)
       add(key, "the picture is not that of its layers");
     if (shown_ && differs_outside(*picture)) add(key, "its background is not that of its reference");
   }
 
-  // Empty where it is of another size: that takes no memory.
+  // Empty where it is of another size, which is found before: that takes no memory.
   std::optional<LdrImage> load_shown(const PictureRecord& record) const {
     const fs::path path = set_.folder.root / record.file;
     if (load_png_size(path) != PixelSize{set_.study.width, set_.study.height}) return {};
@@ -222,11 +226,32 @@ std::vector<Finding> verify_recipes(const fs::path& study_path, const Study& stu
   return findings;
 }
 
+// What a manifest says of its study that is not so.
+std::vector<Finding> verify_head(const std::string& path, const Study& study, const Manifest& manifest) {
+  std::vector<Finding> findings;
+  const auto check = [&](bool good, const std::string& wrong) {
+    if (!good) findings.push_back({path, wrong});
+  };
+  check(manifest.study_name == study.name,
+        fmt::format("of the study \"{}\", where study.json has \"{}\"", manifest.study_name, study.name));
+  check(manifest.seed == study.seed,
+        fmt::format("seed {}, where the study has {}", manifest.seed, study.seed));
+  check(manifest.width == study.width && manifest.height == study.height,
+        fmt::format("pictures of {} x {} pixels, where the study has {} x {}", manifest.width,
+                    manifest.height, study.width, study.height));
+  if (manifest.noise_target)
+    check(*manifest.noise_target == study.noise_target, "another noise target than the study's");
+  return findings;
+}
+
 std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study) {
   if (!path_exists(folder.manifest()))
     return {{folder.manifest().string(), "not there: no pictures were made"}};
   const Manifest manifest = load_manifest(folder.manifest());
-  return verify_pictures(folder, study, manifest, list_pictures(study, manifest));
+  std::vector<Finding> findings = verify_head(folder.manifest().string(), study, manifest);
+  const auto more = verify_pictures(folder, study, manifest, list_pictures(study, manifest));
+  findings.insert(findings.end(), more.begin(), more.end());
+  return findings;
 }
 
 }  // namespace
@@ -241,6 +266,9 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
       enumerate_references(study).size() * std::size(kFamilyContents) + enumerate_conditions(study).size();
   auto& findings = verification.findings;
   findings = verify_manifest(folder, study);
+  if (study.paths)
+    verification.notes.push_back(
+        "the study fixes its paths: the errors of its references are not held to its noise target");
   if (has_shares(folder))
     findings.push_back({folder.jobs().string(),
                         "shares that are not gathered; `equilux-render gather` does it, or says why not"});

@@ -1,11 +1,13 @@
 // equilux-render verify: what a set lacks.
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/program.h"
 #include "renderer/commands.h"
 #include "renderer/jobs.h"
 #include "renderer/submit.h"
 #include "renderer/verify.h"
+#include "stimuli/verdict.h"
 
 namespace equilux {
 namespace {
@@ -29,12 +31,23 @@ std::vector<Finding> find_lost_shares(const VerifyOptions& options) {
   return findings;
 }
 
+// A folder that is only to be read can be verified too.
+void record(const VerifyOptions& options, const std::vector<Finding>& findings) {
+  try {
+    save_verdict({options.folder}, findings);
+  } catch (const StoreError& error) {
+    fmt::print(stderr, "what was found is not recorded: {}\n", error.what());
+  }
+}
+
 int run_verify(const VerifyOptions& options) {
   Verification set =
       verify_set(options.folder, options.study.empty() ? std::nullopt : std::optional(options.study));
   const auto lost = find_lost_shares(options);
   set.findings.insert(set.findings.end(), lost.begin(), lost.end());
+  record(options, set.findings);
   for (const Finding& finding : set.findings) fmt::print("{}\n", format_finding(finding));
+  for (const std::string& note : set.notes) fmt::print("note: {}\n", note);
   fmt::print("{}: {} pictures and {} layers, {}\n", options.folder.string(), set.pictures, set.layers,
              set.findings.empty() ? std::string("whole") : fmt::format("{} findings", set.findings.size()));
   return set.findings.empty() ? kExitOk : kExitError;

@@ -263,9 +263,13 @@ std::int64_t find_path_count(const World& world, std::int64_t target, std::uint6
   return std::max<std::int64_t>(1, std::llround(static_cast<double>(target) / per_path));
 }
 
+std::uint64_t estimate_vpl_memory(std::int64_t count) {
+  constexpr std::uint64_t kBytesPerVpl = 160;
+  return kBytesPerVpl * static_cast<std::uint64_t>(count);
+}
+
 void with_vpl_memory(std::int64_t count, const std::function<void()>& body) {
-  constexpr std::uint64_t kBytesPerVpl = 160;  // at the peak, see docs/performance.md
-  with_memory(fmt::format("{} VPLs", count), kBytesPerVpl * static_cast<std::uint64_t>(count), body);
+  with_memory(fmt::format("{} VPLs", count), estimate_vpl_memory(count), body);
 }
 
 }  // namespace equilux

@@ -86,8 +86,10 @@ Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo);
 /// InputError if no path leaves a VPL.
 std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed);
 
-/// Runs what traces about `count` VPLs and builds their tree, if there is memory for that
-/// (docs/performance.md). errors: InputError
+/// Of about `count` VPLs and their tree, at the peak (docs/performance.md). units: bytes
+std::uint64_t estimate_vpl_memory(std::int64_t count);
+
+/// Runs what traces about `count` VPLs and builds their tree, if there is memory for that. errors: InputError
 void with_vpl_memory(std::int64_t count, const std::function<void()>& body);
 
 /// Traces `paths` particles from the lights; at every surface that they meet they leave a VPL, if it sends

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "experiment/schedule.h"
+#include "stimuli/verdict.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
 #include "tests/experiment/raw_database.h"
@@ -160,6 +161,15 @@ TEST_F(OpenSessionTest, RefusesAPictureFileThatWasChanged) {
   save_png(make_fake_picture("another", 4, 3), folder_.picture_folder() / "G0-MS-ind-1k-C7-v0.png");
   expect_refused(AllOf(HasSubstr("expected pictures that verify, got G0-MS-ind-1k-C7-v0: "),
                        HasSubstr("G0-MS-ind-1k-C7-v0.png: expected the digest ")));
+}
+
+// Of layers, which a session does not read, too.
+TEST_F(OpenSessionTest, RefusesASetThatDidNotVerify) {
+  save_verdict(folder_, {{"G0-MS-ind-1k-C7-v0", "its background is not that of its reference"}});
+  expect_refused(AllOf(HasSubstr("expected pictures that verify, got found by `equilux-render verify`"),
+                       HasSubstr("G0-MS-ind-1k-C7-v0: its background is not that of its reference")));
+  save_verdict(folder_, {});
+  EXPECT_EQ(open("P1").row.participant, "P1");
 }
 
 TEST_F(OpenSessionTest, RefusesAPictureOfAnotherSize) {

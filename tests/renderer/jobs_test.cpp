@@ -134,6 +134,10 @@ TEST(Jobs, LeaveAShareAloneThatIsBeingRendered) {
   EXPECT_THAT(summary.warnings[0], HasSubstr("still being rendered"));
   EXPECT_EQ(summary.layers_adopted, 0u);
   EXPECT_TRUE(path_exists(folder / "layers.json"));
+  SubmitParams submit;
+  submit.folder = study.folder() / "set";
+  submit.count = 2;
+  EXPECT_EQ(find_running(submit, {1, 2}), std::vector<int>{1});
 }
 
 // Somebody's own folder, a share without records, one with damaged records, one of another scene: each is

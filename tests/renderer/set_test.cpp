@@ -11,10 +11,12 @@
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/work_control.h"
 #include "renderer/isa.h"
 #include "renderer/parallel.h"
 #include "renderer/timing.h"
+#include "renderer/vpl.h"
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
 #include "stimuli/png_file.h"
@@ -26,6 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 
 using test::digest_products;
+using testing::AllOf;
+using testing::HasSubstr;
 
 SetSummary render(const test::TinyStudy& study, const std::string& out, const std::string& only = "*") {
   return make_set({study.path(), study.folder() / out, only});
@@ -348,6 +352,42 @@ TEST(Set, AnIlluminationWithoutALightIsRefused) {
               testing::AllOf(testing::HasSubstr("scene.json: /lights"),
                              testing::HasSubstr("on under ind, got none")));
   EXPECT_FALSE(path_exists(params.folder / "layers.json"));
+}
+
+// Before anything is rendered for it. One million million VPLs or pixels need more than this machine has.
+TEST(Set, MemoryThatIsNotThereIsSaidBeforeTheWork) {
+  const auto most = find_available_memory();
+  if (!most || *most > estimate_vpl_memory(1'000'000'000)) GTEST_SKIP() << "this machine has too much";
+  const test::TinyStudy study;
+  Json json = parse_json(load_text(study.path()), "study");
+  Json blocks = json.at("blocks");
+  blocks.as_array().front().set("vpl_counts", parse_json(R"(["1000M"])", ""));
+  json.set("blocks", blocks);
+  for (const char* list : {"windows", "truth"}) {
+    const fs::path path = study.folder() / (std::string(list) + ".json");
+    std::string text = load_text(path);
+    for (auto place = text.find("-100\""); place != std::string::npos; place = text.find("-100\""))
+      text.replace(place, 5, "-1000M\"");
+    save_text(path, text);
+  }
+  save_text(study.path(), format_json(json));
+  EXPECT_THAT(message_of<InputError>([&] {
+                make_set({study.path(), study.folder() / "set"});
+              }),
+              HasSubstr("1000000000 VPLs: expected about "));
+  EXPECT_FALSE(fs::exists(study.folder() / "set/layers/G0-MS-ind-ref-v0.indirect.exr"));
+}
+
+TEST(Set, TheStudyFileItselfIsNotWrittenOver) {
+  const test::TinyStudy study;
+  const fs::path own = study.folder() / "study.json";
+  save_text(own, R"({"extends": ")" + study.path().filename().string() + R"(", "name": "pocket"})");
+  const std::string before = load_text(own);
+  EXPECT_THAT(message_of<InputError>([&] {
+                make_set({own, study.folder()});
+              }),
+              AllOf(HasSubstr("study.json: expected"), HasSubstr("the study file itself")));
+  EXPECT_EQ(load_text(own), before);
 }
 
 TEST(Set, AGlobThatNamesNothingIsAnInputError) {

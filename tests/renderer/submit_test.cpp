@@ -34,10 +34,10 @@ TEST(Submit, ListsSharesAsSlurmDoes) {
                                       "set/slurm/%j.log' '/x/a set/slurm/gather.sh'"}));
   EXPECT_THAT(jobs.array_text, HasSubstr("#SBATCH --time=2:00:00\n"));
   EXPECT_THAT(jobs.array_text, HasSubstr("--isa v3"));
-  EXPECT_THAT(
-      jobs.gather_text,
-      HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3\n"
-                "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json' --jobs 12 --isa v3\n"));
+  EXPECT_THAT(jobs.gather_text,
+              HasSubstr(" gather 'it'\\''s a study.json' --out '/x/a set' --isa v3 || failed=1\n"
+                        "'/usr/bin/printf' verify '/x/a set' --study 'it'\\''s a study.json' --jobs 12 --isa "
+                        "v3 || failed=1\n"));
   EXPECT_EQ(format_sbatch(make_slurm_jobs(params, {})),
             std::vector<std::string>{
                 "sbatch --parsable --output='/x/a set/slurm/%j.log' '/x/a set/slurm/gather.sh'"});
@@ -60,6 +60,29 @@ TEST(Submit, WritesScriptsThatAShellTakesWordByWord) {
       0);
   EXPECT_EQ(load_text(out), "[set][it's a study.json][--out][" + params.folder.string() + "][--isa][" +
                                 format_isa(current_isa()) + "][--threads][0][--job][5/12]");
+}
+
+// Programs in equilux-render's place: what fails at gathering is verified all the same, so that the log names
+// what was lost; either failure is the step's.
+TEST(Submit, VerifiesAlsoWhatCannotBeGathered) {
+  const TempFolder folder;
+  for (const char* failing : {"gather", "verify", "none"}) {
+    SubmitParams params = make_params(folder.path());
+    params.program = folder / "program";
+    save_text(params.program, std::string("#!/bin/sh\necho $1\n[ $1 != ") + failing + " ]\n");
+    fs::permissions(params.program, fs::perms::owner_all);
+    const SlurmJobs jobs = make_slurm_jobs(params, {});
+    save_scripts(jobs);
+    const std::string out = (folder / "out").string();
+    const int status = std::system(("sh '" + jobs.gather_script.string() + "' >'" + out + "'").c_str());
+    EXPECT_EQ(status == 0, std::string(failing) == "none") << failing;
+    EXPECT_EQ(load_text(out), "gather\nverify\n") << failing;
+  }
+}
+
+TEST(Submit, WritesNamesOfLogsAsSlurmReadsThem) {
+  const std::string call = format_sbatch(make_slurm_jobs(make_params("/x/100%j"), {1}))[0];
+  EXPECT_THAT(call, HasSubstr("--output='/x/100%%j/a set/slurm/%A-%a.log'"));
 }
 
 // A command of that name first on the path stands for Slurm's.

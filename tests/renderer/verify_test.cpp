@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "renderer/record_check.h"
 #include "renderer/set.h"
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
@@ -175,7 +176,15 @@ TEST_F(Verify, FindsPicturesOfAnotherStudyAndLayersOfAnotherScene) {
   Layers layers = load_layers(folder_.layers());
   layers.by_name.at("G0-MS-ind-100-C3-v0").made_from = digest_text("another");
   save_layers(layers, folder_.layers());
-  EXPECT_EQ(find(), std::vector<std::string>()) << "by the folder alone it cannot be told";
+  expect_only("G0-MS-ind-100-C3-v0.exr: equilux_made_from: expected ");
+  // With a file that says the same by the folder alone it cannot be told.
+  LayerRecord& layer = layers.by_name.at("G0-MS-ind-100-C3-v0");
+  ExrFile file = load_exr(folder_.root / layer.file);
+  file.metadata["equilux_made_from"] = layer.made_from;
+  save_exr(file.image, file.metadata, folder_.root / layer.file);
+  layer.digest = digest_file(folder_.root / layer.file);
+  save_layers(layers, folder_.layers());
+  EXPECT_EQ(find(), std::vector<std::string>());
   const auto lines = find(study_.path());
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_THAT(lines[0], HasSubstr("G0-MS-ind-100-C3-v0: made from another study, scene or estimator"));
@@ -201,6 +210,72 @@ TEST_F(Verify, FindsALayerOfOtherChannelsAndAPictureOfAnotherSize) {
   }
   const auto lines = find();
   EXPECT_THAT(lines[0], HasSubstr("1 x 1 pixels, where the manifest has 24 x 18"));
+}
+
+// Files and digests of two layers that have changed places: each file says what it is.
+TEST_F(Verify, FindsLayersThatStandForOneAnother) {
+  const auto names = [](const char* a, const char* b) { return std::pair<std::string, std::string>(a, b); };
+  const Layers before = load_layers(folder_.layers());
+  for (const auto& [one, other] : {names("G0-MS-ind-100-C4-v0", "G0-GS-ind-100-C4-v0"),
+                                   names("G0-MS-ind-100-C0-v0", "G0-MS-ind-100-C10-v0"),
+                                   names("G0-MS-ind-ref-v0.indirect", "G0-GS-ind-ref-v0.indirect")}) {
+    Layers layers = before;
+    std::swap(layers.by_name.at(one).file, layers.by_name.at(other).file);
+    std::swap(layers.by_name.at(one).digest, layers.by_name.at(other).digest);
+    save_layers(layers, folder_.layers());
+    const auto lines = find();
+    ASSERT_EQ(lines.size(), 2u) << testing::PrintToString(lines);
+    for (const std::string& line : lines) EXPECT_THAT(line, HasSubstr("equilux_key: expected ")) << one;
+  }
+}
+
+TEST_F(Verify, FindsAManifestOfOtherPixelsSeedOrTarget) {
+  const Manifest before = load_manifest(folder_.manifest());
+  const auto expect_other = [&](const std::string& what, const auto& change) {
+    Manifest manifest = before;
+    change(manifest);
+    save_manifest(manifest, folder_.manifest());
+    expect_only(what);
+  };
+  expect_other("seed 9, where the study has 1", [](Manifest& manifest) { manifest.seed = 9; });
+  expect_other("of the study \"mine\"", [](Manifest& manifest) { manifest.study_name = "mine"; });
+  expect_other("another noise target", [](Manifest& manifest) { manifest.noise_target->object_p99 += 1; });
+  // A set of pictures that are all too small.
+  for (const auto& [key, record] : before.pictures) save_png(LdrImage(1, 1), folder_.root / record.file);
+  const std::string small = digest_file(folder_.root / before.pictures.begin()->second.file);
+  expect_other("pictures of 1 x 1 pixels, where the study has 24 x 18", [&](Manifest& manifest) {
+    manifest.width = manifest.height = 1;
+    for (auto& [key, record] : manifest.pictures) record.digest = small;
+  });
+}
+
+TEST_F(Verify, FindsAnErrorThatIsNoneAndMethodsWithoutTheirProof) {
+  change_layer("G0-MS-dir-ref-v1.standard_error",
+               [](HdrImage& image) { image.values.assign(image.values.size(), 0); });
+  tonemap_set(folder_.root, "*");
+  expect_only("G0-MS-dir-ref-v1.standard_error: black, where light was sampled");
+  LayerRecord record;
+  Study study = study_.load();
+  EXPECT_EQ(find_unchecked(record, study), "") << "of fixed paths";
+  study.paths.reset();
+  study.reference = ReferenceMethod::kCompensated;
+  EXPECT_THAT(find_unchecked(record, study), HasSubstr("does not say how it was made"));
+  record.reference = Json().set("method", "compensated");
+  EXPECT_THAT(find_unchecked(record, study), HasSubstr("without the path-traced check"));
+  record.reference.set("check", Json(Json::Array{}));
+  EXPECT_EQ(find_unchecked(record, study), "");
+  record.reference = Json().set("method", "path");
+  EXPECT_EQ(find_unchecked(record, study), "") << "where sets are dearer";
+  EXPECT_THAT(find_uncertified(record, true), HasSubstr("does not say whether"));
+  EXPECT_EQ(find_uncertified(record, false), "");
+  record.vpls = Json().set("certified", true);
+  EXPECT_EQ(find_uncertified(record, true), "");
+}
+
+TEST_F(Verify, NotesThatAStudyOfFixedPathsHasNoLimitForItsErrors) {
+  const auto notes = verify_set(folder_.root, {}).notes;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_THAT(notes[0], HasSubstr("the study fixes its paths"));
 }
 
 TEST_F(Verify, FindsAPictureThatTheStudyDoesNotHave) {

@@ -1,0 +1,67 @@
+// Digests of the records, and the first of what was found.
+#include "stimuli/verdict.h"
+
+#include "base/digest.h"
+#include "base/error.h"
+#include "base/files.h"
+#include "base/json.h"
+#include "base/version.h"
+
+namespace equilux {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr const char* kSchema = "equilux-verdict";
+
+std::string digest_if_there(const fs::path& path) { return is_file(path) ? digest_file(path) : ""; }
+
+std::string get_text(const Json& json, const char* key, const std::string& path) {
+  const Json* member = json.find(key);
+  if (!member || !member->is_string())
+    throw InputError(path, std::string("/") + key, "a string", member ? describe_json(*member) : "none");
+  return member->as_string();
+}
+
+std::int64_t get_count(const Json& json, const char* key, const std::string& path) {
+  const Json* member = json.find(key);
+  if (!member || !member->is_integer())
+    throw InputError(path, std::string("/") + key, "a whole number",
+                     member ? describe_json(*member) : "none");
+  return member->as_int();
+}
+
+}  // namespace
+
+void save_verdict(const StudyFolder& folder, const std::vector<Finding>& findings) {
+  Json json;
+  json.set("schema", kSchema).set("schema_version", 1);
+  json.set("producer", std::string("equilux-render ") + kVersion);
+  json.set("manifest", digest_if_there(folder.manifest())).set("layers", digest_if_there(folder.layers()));
+  json.set("findings", static_cast<std::int64_t>(findings.size()));
+  json.set("first", findings.empty() ? "" : format_finding(findings.front()));
+  save_text(folder.verdict(), format_json(json));
+}
+
+void remove_verdict(const StudyFolder& folder) {
+  std::error_code error;
+  fs::remove(folder.verdict(), error);
+  if (error)
+    throw StoreError(fmt::format("{}: cannot remove: {}", folder.verdict().string(), error.message()));
+}
+
+std::vector<Finding> find_verdict(const StudyFolder& folder) {
+  if (!path_exists(folder.verdict())) return {};
+  const std::string path = folder.verdict().string();
+  const Json json = parse_json(load_text(folder.verdict()), path);
+  if (const std::string schema = get_text(json, "schema", path); schema != kSchema)
+    throw InputError(path, "/schema", fmt::format("\"{}\"", kSchema), schema);
+  const std::int64_t count = get_count(json, "findings", path);
+  const std::string manifest = get_text(json, "manifest", path), layers = get_text(json, "layers", path),
+                    first = get_text(json, "first", path);
+  if (count == 0 || manifest != digest_if_there(folder.manifest()) ||
+      layers != digest_if_there(folder.layers()))
+    return {};
+  return {{"found by `equilux-render verify`, which is to be run again when it is mended", first}};
+}
+
+}  // namespace equilux

@@ -1,0 +1,21 @@
+// verdict.json: what `equilux-render verify` found last, for the programs that show and count pictures.
+#pragma once
+
+#include <vector>
+
+#include "stimuli/study_folder.h"
+#include "stimuli/verify_pictures.h"
+
+namespace equilux {
+
+/// Writes it beside the records that it is about. errors: StoreError
+void save_verdict(const StudyFolder& folder, const std::vector<Finding>& findings);
+
+/// Before the folder is changed. errors: StoreError
+void remove_verdict(const StudyFolder& folder);
+
+/// What was found, as one finding: empty where nothing was, or where nothing was asked since manifest.json
+/// and layers.json became what they are. errors: InputError for a file that is damaged
+std::vector<Finding> find_verdict(const StudyFolder& folder);
+
+}  // namespace equilux

@@ -1,0 +1,64 @@
+// What was found holds until the records change.
+#include "stimuli/verdict.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "tests/support/failures.h"
+#include "tests/support/temp_folder.h"
+
+namespace equilux {
+namespace {
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Verdict : public testing::Test {
+ protected:
+  void change(const std::filesystem::path& path) const { save_text(path, load_text(path) + "\n"); }
+
+  const TempFolder own_;
+  const StudyFolder folder_{own_.path()};
+};
+
+TEST_F(Verdict, IsNothingWhereNothingWasAskedOrFound) {
+  EXPECT_THAT(find_verdict(folder_), IsEmpty());
+  save_text(folder_.manifest(), "{}");
+  save_verdict(folder_, {});
+  EXPECT_THAT(find_verdict(folder_), IsEmpty());
+}
+
+TEST_F(Verdict, TellsTheFirstThatWasFoundUntilTheRecordsChange) {
+  for (const auto& record : {folder_.manifest(), folder_.layers()}) {
+    for (const auto& each : {folder_.manifest(), folder_.layers()}) save_text(each, "{}");
+    save_verdict(folder_, {{"G0-MS-ind-ref-v0", "a NaN"}, {"another", "thing"}});
+    ASSERT_EQ(find_verdict(folder_).size(), 1u);
+    EXPECT_EQ(find_verdict(folder_)[0].wrong, "G0-MS-ind-ref-v0: a NaN");
+    change(record);
+    EXPECT_THAT(find_verdict(folder_), IsEmpty()) << record;
+  }
+}
+
+TEST_F(Verdict, GoesBeforeTheFolderChanges) {
+  save_verdict(folder_, {{"a", "b"}});
+  EXPECT_EQ(find_verdict(folder_).size(), 1u) << "without records too";
+  remove_verdict(folder_);
+  EXPECT_THAT(find_verdict(folder_), IsEmpty());
+  remove_verdict(folder_);
+}
+
+TEST_F(Verdict, ThatIsDamagedIsRefused) {
+  for (const auto& [text, place] : std::vector<std::pair<std::string, std::string>>{
+           {"[", "verdict.json"},
+           {R"({"schema": "equilux-report"})", "/schema: expected"},
+           {R"({"schema": "equilux-verdict", "findings": "1"})", "/findings: expected a whole number"},
+           {R"({"schema": "equilux-verdict", "findings": 1, "manifest": ""})",
+            "/layers: expected a string"}}) {
+    save_text(folder_.verdict(), text);
+    EXPECT_THAT(message_of<InputError>([&] { find_verdict(folder_); }), HasSubstr(place)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace equilux
