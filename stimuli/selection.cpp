@@ -61,6 +61,9 @@ Selection load_selection(const std::filesystem::path& path, const Study& study) 
               study.clamp_levels.end()) {
             throw InputError(path.string(), place + "/levels", "clamp levels of the study", text);
           }
+          if (column.artifact_cut && column.levels.back() < *column.artifact_cut)
+            throw InputError(path.string(), place + "/levels",
+                             fmt::format("levels from the artifact cut {} on", cut), text);
         }
         return column;
       });

@@ -95,6 +95,12 @@ TEST_F(SelectionFile, IsRefusedForWhatItMayNotSay) {
   EXPECT_THAT(refusal_of(with(json_, "/columns/0/levels/1", "C99")), StartsWith("/columns/0/levels/1: "));
 }
 
+// Where artifacts are seen, nobody is asked about the material.
+TEST_F(SelectionFile, WithALevelUnderTheArtifactCutIsRefused) {
+  EXPECT_THAT(refusal_of(with(json_, "/columns/0/levels/0", "C4")),
+              AllOf(StartsWith("/columns/0/levels: "), HasSubstr("levels from the artifact cut C5 on")));
+}
+
 TEST_F(SelectionFile, CoversTheStudysColumnsExactly) {
   EXPECT_THAT(refusal_of(with(json_, "/columns/-", json_.at("columns").at(std::size_t{0}))),
               AllOf(StartsWith("/columns/8/column: "), HasSubstr("again")));
