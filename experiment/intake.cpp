@@ -5,6 +5,8 @@
 #include <random>
 #include <string_view>
 
+#include "base/json.h"
+
 namespace equilux {
 namespace {
 
@@ -72,7 +74,11 @@ void submit_answers(Intake& intake, const SessionProtocol& protocol) {
 
 std::map<std::string, std::string> find_fields(const Intake& intake, const SessionProtocol& protocol) {
   std::map<std::string, std::string> fields{{"language", protocol.language}};
-  if (protocol.consent) fields["consent_version"] = protocol.consent->version;
+  if (protocol.consent) {
+    fields["consent_version"] = protocol.consent->version;
+    // Of the text itself, were it changed under its version.
+    fields["consent_digest"] = digest_json(make_json(protocol.consent->text));
+  }
   for (const auto& [question, answer] : intake.answers) fields[format_question(question)] = answer;
   return fields;
 }

@@ -131,7 +131,7 @@ std::string format_side(Side side) { return side == Side::kLeft ? "left" : "righ
 
 std::string load_station(const Database& database) {
   Statement statement(database, "SELECT station FROM log");
-  EQ_CHECK(statement.step());
+  if (!statement.step()) throw InputError(database.name(), "log", "a row that names the station", "none");
   return statement.text(0);
 }
 
@@ -155,7 +155,12 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
                       " response_time_ns, answered_utc, too_fast FROM trial WHERE session = ? ORDER BY trial",
                       session);
   std::vector<TrialRow> trials;
-  while (statement.step()) trials.push_back(read_trial(statement, database.name()));
+  while (statement.step()) {
+    trials.push_back(read_trial(statement, database.name()));
+    if (const auto next = static_cast<int>(trials.size()) - 1; trials.back().number != next)
+      throw InputError(database.name(), fmt::format("session {}", session), fmt::format("its trial {}", next),
+                       fmt::format("none: the next is {}", trials.back().number));
+  }
   return trials;
 }
 

@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <random>
+#include <sys/stat.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -217,6 +218,16 @@ void check_exists(const fs::path& path, bool create) {
     throw InputError(path.string(), "", "a log of responses", "nothing of that name");
 }
 
+// A log that was copied or restored may have become everybody's to read. Of a group that may write it too it
+// is meant to be.
+void keep_out_others(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return;
+  const bool is_shared = (status.st_mode & S_IWGRP) != 0;
+  const mode_t kept = status.st_mode & (is_shared ? 0770 : 0700);
+  if (kept != (status.st_mode & 0777)) ::chmod(path.c_str(), kept);
+}
+
 // For its owner alone; SQLite gives the WAL and its index the same permissions.
 void make_private(const fs::path& path) {
   const int file = ::open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
@@ -242,6 +253,7 @@ std::string draw_identity() {
 Database open_log(const fs::path& path, bool create) {
   check_exists(path, create);
   if (create && path != kInMemory) make_private(path);
+  if (path != kInMemory) keep_out_others(path);
   Database database(path, create ? OpenMode::kCreate : OpenMode::kWrite);
   prepare(database, create);
   return database;

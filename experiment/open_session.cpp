@@ -2,12 +2,14 @@
 #include "experiment/open_session.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <iterator>
 #include <random>
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "base/json.h"
 #include "base/program.h"
 #include "base/version.h"
@@ -21,6 +23,8 @@
 namespace equilux {
 namespace {
 namespace fs = std::filesystem;
+
+constexpr const char* kLaneField = "lane";
 
 // A manifest may be of an older study.json, whose pictures show something else.
 Manifest load_checked_manifest(const StudyFolder& folder, const Study& study) {
@@ -64,6 +68,14 @@ Selection load_current_selection(const StudyFolder& folder, const TrialLog* log,
   return selection;
 }
 
+// Without the file there would be no consent, no questions, no practice and no catch trials, and nobody told.
+void check_has_protocol(const StudyFolder& folder, const Study& study) {
+  if (!study.source.find("session") || path_exists(folder.session())) return;
+  throw InputError(folder.session().string(), "",
+                   "the session protocol that the study names, with its consent and practice",
+                   "nothing of that name; `equilux-render set` copies it");
+}
+
 struct NamedDigest {
   const char* name;
   std::string SessionDigests::*member;
@@ -85,9 +97,12 @@ void check_same_digests(const SessionRow& earlier, const SessionDigests& now, co
   }
 }
 
-std::string describe_resume(const ScreenRecord& screen) {
+// With what was measured anew: another sitting may be at another screen.
+std::string describe_resume(const SessionRequest& request) {
+  const ScreenRecord& screen = request.screen;
   const auto number = [](const auto& value) { return value ? Json(*value) : Json(); };
   Json detail;
+  for (const auto& [name, value] : request.fields) detail.set(name, value);
   detail.set("program_version", kVersion).set("monitor", screen.monitor);
   detail.set("framebuffer_width", number(screen.framebuffer_width));
   detail.set("framebuffer_height", number(screen.framebuffer_height));
@@ -133,10 +148,30 @@ void check_may_resume(const SessionInputs& inputs, const SessionRow& row, const 
   }
 }
 
+bool is_same_but_for_case(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
+}
+
+// Of a participant of whom the log has no session: a slip of the keyboard must not begin another person.
+void check_new_code(const SessionInputs& inputs, const std::vector<SessionRow>& sessions,
+                    const std::string& code) {
+  const auto is_same = [&](const SessionRow& row) { return row.participant == code; };
+  if (std::any_of(sessions.begin(), sessions.end(), is_same)) return;
+  const std::string source = inputs.folder.responses().string();
+  check_code(code, source);
+  for (const SessionRow& row : sessions) {
+    if (!is_same_but_for_case(row.participant, code)) continue;
+    throw InputError(source, "participant",
+                     "a code that differs from others in more than the case of letters",
+                     fmt::format("{}, where session {} is of {}", code, row.id, row.participant));
+  }
+}
+
 OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
                            const SessionRequest& request) {
   std::vector<TrialRow> trials = log.load_trials(row.id);
-  log.append_event(row.id, "resume", 0, describe_resume(request.screen));
+  log.append_event(row.id, "resume", 0, describe_resume(request));
   return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true};
 }
 
@@ -145,12 +180,14 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
   row.participant = request.participant;
   row.kind = inputs.kind;
   row.experiment = inputs.experiment;
-  row.subject_index = log.find_free_index(inputs.kind, inputs.experiment, request.lane);
+  const Lane lane = find_lane(&log, request.lane);
+  row.subject_index = log.find_free_index(inputs.kind, inputs.experiment, lane);
   row.seed = request.seed;
   row.program_version = kVersion;
   row.digests = inputs.digests;
   row.screen = request.screen;
   row.fields = request.fields;
+  if (request.lane || lane != Lane{}) row.fields[kLaneField] = format_lane(lane);
   row.started_utc = format_utc_now();
   auto trials = add_extra_trials(
       make_schedule(inputs.study, inputs.experiment, inputs.cells, inputs.kind, row.seed, row.subject_index),
@@ -195,6 +232,7 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
   if (request.kind == SubjectKind::kPlanted) {
     inputs.digests.truth = load_truth(request.truth.value_or(folder.truth()), inputs.study).digest;
   }
+  check_has_protocol(folder, inputs.study);
   inputs.protocol = load_session_protocol(folder.session());
   inputs.digests.protocol = inputs.protocol.digest;
   inputs.familiar_pages =
@@ -210,7 +248,8 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
                                                   const SessionRequest& request) {
   EQ_CHECK(request.kind == inputs.kind && request.experiment == inputs.experiment);
   std::optional<SessionRow> unfinished;
-  for (const SessionRow& row : log.load_sessions()) {
+  const std::vector<SessionRow> sessions = log.load_sessions();
+  for (const SessionRow& row : sessions) {
     if (row.kind != inputs.kind || row.experiment != inputs.experiment) continue;
     check_same_digests(row, inputs.digests, inputs.folder);
     if (row.participant != request.participant) continue;
@@ -222,6 +261,9 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
     }
     unfinished = row;
   }
+  log.check_not_withdrawn(request.participant);
+  if (!unfinished && inputs.kind == SubjectKind::kPerson)
+    check_new_code(inputs, sessions, request.participant);
   if (unfinished && inputs.kind == SubjectKind::kPerson)
     check_may_resume(inputs, *unfinished, log.load_trials(unfinished->id), request.now_utc);
   return unfinished;
@@ -252,6 +294,30 @@ void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& eff
     }
   };
   std::visit(record, effect);
+}
+
+void check_code(const std::string& code, const std::string& source) {
+  constexpr std::size_t kLongest = 64;
+  const auto may_be = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_' || c == '.'; };
+  if (!code.empty() && code.size() <= kLongest && std::all_of(code.begin(), code.end(), may_be)) return;
+  throw InputError(
+      source, "participant",
+      fmt::format("a code of letters from a to z, digits, -, _ and ., at most {}, and no name", kLongest),
+      "\"" + code + "\"");
+}
+
+std::string format_lane(const Lane& lane) { return fmt::format("{}/{}", lane.first + 1, lane.step); }
+
+Lane find_lane(const TrialLog* log, const std::optional<Lane>& given) {
+  if (given || !log) return given.value_or(Lane{});
+  const std::string station = log->load_station();
+  Lane lane;
+  for (const SessionRow& row : log->load_sessions()) {
+    const auto field = row.fields.find(kLaneField);
+    if (row.station == station && field != row.fields.end())
+      lane = parse_lane(field->second, "field " + std::string(kLaneField));
+  }
+  return lane;
 }
 
 Lane parse_lane(const std::string& text, const std::string& source) {

@@ -23,7 +23,7 @@ struct SessionRequest {
   std::optional<std::filesystem::path> truth;  ///< planted subjects only
   ScreenRecord screen;
   std::map<std::string, std::string> fields = {};  ///< of a new session
-  Lane lane = {};                                  ///< of a new session
+  std::optional<Lane> lane = {};                   ///< of a new session; empty: as find_lane gives it
   std::string now_utc = {};  ///< for the age limit of a resume; the system clock where empty
 };
 
@@ -35,6 +35,14 @@ struct OpenSession {
 
 /// "2/3": the second of three stations. errors: InputError
 Lane parse_lane(const std::string& text, const std::string& source);
+std::string format_lane(const Lane& lane);
+
+/// Where none is given, that of the last session that was begun in this log with one; a log may be null.
+Lane find_lane(const TrialLog* log, const std::optional<Lane>& given);
+
+/// Of a new participant, that it is a code and no name, and one that file names and tables take.
+/// errors: InputError
+void check_code(const std::string& code, const std::string& source);
 
 /// What all sessions of an experiment and kind in a folder are made from, loaded and checked once.
 struct SessionInputs {

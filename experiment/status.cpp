@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <set>
 
+#include "experiment/open_session.h"
 #include "experiment/session_outcome.h"
 #include "experiment/trial_log.h"
 
@@ -42,9 +43,10 @@ std::string format_line(const TrialLog& log, const SessionRow& row) {
 std::string format_next(const TrialLog& log, const std::vector<SessionRow>& sessions, Experiment experiment) {
   std::set<SubjectKind> kinds = {SubjectKind::kPerson};
   for (const SessionRow& row : sessions) kinds.insert(row.kind);
+  const Lane lane = find_lane(&log, {});
   std::vector<std::string> parts;
   for (const SubjectKind kind : kinds)
-    parts.push_back(fmt::format("{} {}", format_kind(kind), log.find_free_index(kind, experiment)));
+    parts.push_back(fmt::format("{} {}", format_kind(kind), log.find_free_index(kind, experiment, lane)));
   return fmt::format("Next free index, {}: {}.\n", format_experiment(experiment), fmt::join(parts, ", "));
 }
 
@@ -59,10 +61,13 @@ std::string format_status(const StudyFolder& folder) {
   if (sessions.empty() && withdrawn == 0) return kNoSessions;
   std::string text = sessions.empty() ? kNoSessions : format_head();
   for (const SessionRow& row : sessions) text += format_line(log, row);
-  text += fmt::format("\nWithdrawn participants: {}.\n", withdrawn);
+  text += fmt::format("\nWithdrawn participants: {}{}.\n", withdrawn,
+                      withdrawn > 1 ? " (who withdrew at several stations counts at each)" : "");
   for (const Experiment experiment : {Experiment::kArtifact, Experiment::kMaterial})
     text += format_next(log, sessions, experiment);
-  return text + fmt::format("Station of this log: {}.\n", log.load_station().substr(0, 8));
+  const Lane lane = find_lane(&log, {});
+  return text + fmt::format("Station of this log: {}{}.\n", log.load_station().substr(0, 8),
+                            lane == Lane{} ? "" : ", " + format_lane(lane));
 }
 
 }  // namespace equilux

@@ -206,6 +206,10 @@ std::int64_t TrialLog::count_withdrawn() const {
   return load_integer(impl_->database, "SELECT count(*) FROM tombstone");
 }
 
+void TrialLog::check_not_withdrawn(const std::string& code) const {
+  equilux::check_not_withdrawn(impl_->database, code);
+}
+
 bool TrialLog::has_withdrawn(const std::string& code) const {
   return find_tombstone(load_tombstones(impl_->database), code).has_value();
 }

@@ -117,6 +117,7 @@ struct AnswerRow {
 struct Lane {
   std::int64_t first = 0;
   std::int64_t step = 1;
+  bool operator==(const Lane&) const = default;
 };
 
 /// The log. One committed transaction for each change; a database that cannot be written throws StoreError.
@@ -147,6 +148,8 @@ class TrialLog {
   std::string load_station() const;                               ///< this log's own
   std::int64_t count_withdrawn() const;                           ///< tombstones
   bool has_withdrawn(const std::string& code) const;
+  /// errors: InputError if somebody of this code has withdrawn
+  void check_not_withdrawn(const std::string& code) const;
   /// Lowest index of this lane that no session of this kind and experiment holds.
   std::int64_t find_free_index(SubjectKind kind, Experiment experiment, const Lane& lane = {}) const;
   bool has_session_using_selection(const std::string& selection_digest) const;

@@ -209,10 +209,12 @@ std::optional<PlantedPilot> make_pilot(const AppParams& params, const Workplace&
 std::string name_planted_subject(const AppParams& params) {
   const StudyFolder folder{params.study_folder};
   const std::uint64_t seed = *params.planted_seed;
-  if (!std::filesystem::exists(folder.responses())) return name_planted(seed, params.lane.first);
+  if (!std::filesystem::exists(folder.responses()))
+    return name_planted(seed, find_lane(nullptr, params.lane).first);
   const TrialLog log = TrialLog::load_snapshot(folder.responses());
-  return name_next_planted(log, seed,
-                           log.find_free_index(SubjectKind::kPlanted, *params.experiment, params.lane));
+  return name_next_planted(
+      log, seed,
+      log.find_free_index(SubjectKind::kPlanted, *params.experiment, find_lane(&log, params.lane)));
 }
 
 }  // namespace

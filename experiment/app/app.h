@@ -20,7 +20,7 @@ struct AppParams {
   bool windowed = false;                      ///< a window of the layout's size in place of the full screen
   double diagonal_m = 0;                      ///< of the visible screen; 0: as the system reports it
   bool asks_setup = false;                    ///< the set-up screen is shown also where nothing else is asked
-  Lane lane = {};                             ///< of new sessions, where several stations run a study
+  std::optional<Lane> lane = {};              ///< of new sessions, where several stations run a study
   double text_scale = 1;                      ///< of all text
   std::optional<std::uint64_t> planted_seed;  ///< a planted subject answers in a person's place
   double pace = 1;                            ///< of its response times; 0: at once

@@ -69,6 +69,7 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   std::optional<TrialLog> log = find_log(folder);
   SessionInputs inputs = load_session_inputs(folder, log ? &*log : nullptr, request);
   check_pictures(folder, manifest, enumerate_session_keys(inputs));
+  if (!log && request.kind == SubjectKind::kPerson) check_code(request.participant, folder.root.string());
   const bool goes_on = log && find_unfinished_session(inputs, *log, request);
   Texts texts = load_texts(inputs.protocol.language, folder.root);
   Workplace work{std::move(inputs),

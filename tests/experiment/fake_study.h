@@ -49,6 +49,15 @@ inline PictureRecord save_fake_picture(const StudyFolder& folder, const std::str
   return {file, digest_file(folder.root / file), digest_text("layers of " + key), Json()};
 }
 
+/// A study that names no session protocol: its folder needs no session.json.
+inline Json without_session(const Json& study) {
+  Json rest{Json::Object{}};
+  for (const auto& [member, value] : study.as_object()) {
+    if (member != "session") rest.set(member, value);
+  }
+  return rest;
+}
+
 /// Makes `root` a study folder of a protocol: study.json, windows.json, truth.json, manifest.json and all
 /// pictures. Nothing of it was rendered.
 inline StudyFolder make_fake_study(const std::filesystem::path& root, const std::string& protocol = "pocket",
@@ -56,7 +65,7 @@ inline StudyFolder make_fake_study(const std::filesystem::path& root, const std:
   namespace fs = std::filesystem;
   const StudyFolder folder{root};
   make_folder(folder.picture_folder());
-  save_text(folder.study(), format_json(load_study(protocol_path(protocol)).source));
+  save_text(folder.study(), format_json(without_session(load_study(protocol_path(protocol)).source)));
   fs::copy_file(protocol_path(protocol).replace_extension() / "windows.json", folder.windows());
   fs::copy_file(protocol_path(protocol).replace_extension() / "truth.json", folder.truth());
   const Study study = load_folder_study(folder);

@@ -40,9 +40,12 @@ TEST(Intake, LeadsFromConsentThroughTheQuestions) {
   choose_answer(intake, protocol, Question::kAcuity, "corrected");
   submit_answers(intake, protocol);
   EXPECT_EQ(intake.step, IntakeStep::kDone);
-  EXPECT_EQ(find_fields(intake, protocol),
-            (std::map<std::string, std::string>{
-                {"acuity", "corrected"}, {"consent_version", "7"}, {"language", "en"}}));
+  EXPECT_EQ(
+      find_fields(intake, protocol),
+      (std::map<std::string, std::string>{{"acuity", "corrected"},
+                                          {"consent_digest", digest_json(make_json(protocol.consent->text))},
+                                          {"consent_version", "7"},
+                                          {"language", "en"}}));
 }
 
 TEST(Intake, WhoDeclinesIsAskedNothingMore) {

@@ -91,6 +91,61 @@ TEST_F(OpenSessionTest, GivesTheLowestFreeIndexOfTheKind) {
   EXPECT_EQ(open_session(folder_, log_, planted).row.subject_index, 0);
 }
 
+TEST_F(OpenSessionTest, KeepsTheStationThatItWasToldLast) {
+  SessionRequest second = request_of("P1");
+  second.lane = Lane{1, 3};
+  EXPECT_EQ(open_session(folder_, log_, second).row.subject_index, 1);
+  const OpenSession later = open("P2");
+  EXPECT_EQ(later.row.subject_index, 4) << "though nobody said it again";
+  EXPECT_EQ(log_.load_sessions().at(1).fields.at("lane"), "2/3");
+  EXPECT_EQ(find_lane(&log_, {}), (Lane{1, 3}));
+  EXPECT_EQ(find_lane(nullptr, {}), Lane());
+  second.participant = "P3";
+  second.lane = Lane{};
+  EXPECT_EQ(open_session(folder_, log_, second).row.subject_index, 0);
+  EXPECT_EQ(open("P4").row.subject_index, 2) << "the lowest that is free";
+}
+
+TEST_F(OpenSessionTest, RefusesANameForACodeAndOneThatDiffersFromAnotherInCase) {
+  for (const char* code : {"", " ", "Anna M", "Anna\nM", "M\u00fcller", "a/b", "=1"})
+    expect_refused(HasSubstr("expected a code of letters from a to z"), code);
+  expect_refused(HasSubstr("at most 64"), std::string(65, 'a'));
+  open("P1");
+  expect_refused(
+      AllOf(HasSubstr("in more than the case of letters"), HasSubstr("p1, where session 1 is of P1")), "p1");
+  EXPECT_EQ(open("p-1_b.c").row.participant, "p-1_b.c");
+}
+
+// Before anybody is asked to agree: the window looks for an unfinished session first.
+TEST_F(OpenSessionTest, RefusesAWithdrawnCodeAtTheDoor) {
+  open("P2");
+  RawDatabase(folder_.responses())
+      .query(fmt::format("INSERT INTO tombstone VALUES ('salt', '{}', '2026-01-31T12:00:00.000Z')",
+                         digest_text("saltP1")));
+  const SessionRequest request = request_of("P1");
+  const SessionInputs inputs = load_session_inputs(folder_, &log_, request);
+  EXPECT_THAT([&] { find_unfinished_session(inputs, log_, request); },
+              ThrowsMessage<InputError>(HasSubstr("P1, withdrawn on ")));
+}
+
+// A study that names a protocol has consent and practice in it.
+TEST_F(OpenSessionTest, RefusesAStudyWithoutTheSessionProtocolThatItNames) {
+  save_text(folder_.study(), format_json(load_study(protocol_path("pocket")).source));
+  Manifest manifest = load_manifest(folder_.manifest());
+  manifest.study_digest = load_folder_study(folder_).digest;
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(AllOf(HasSubstr("session.json: expected the session protocol that the study names"),
+                       HasSubstr("nothing of that name")));
+  save_text(folder_.session(), R"({"schema": "equilux-session", "schema_version": 1})");
+  EXPECT_EQ(open("P1").session.trials.size(), 32u);
+}
+
+TEST_F(OpenSessionTest, SaysWhichTrialALogLacks) {
+  open("P1");
+  RawDatabase(folder_.responses()).query("DELETE FROM trial WHERE trial = 7");
+  expect_refused(HasSubstr("session 1: expected its trial 7, got none: the next is 8"));
+}
+
 TEST_F(OpenSessionTest, GoesOnWithTheParticipantsUnfinishedSession) {
   const OpenSession begun = open("P1");
   open("P2");
@@ -108,6 +163,15 @@ TEST_F(OpenSessionTest, GoesOnWithTheParticipantsUnfinishedSession) {
   const auto events = load_events(folder_.responses());
   EXPECT_EQ(events.back().at(2), "resume");
   EXPECT_THAT(events.back().at(4), HasSubstr("DP-2"));
+}
+
+TEST_F(OpenSessionTest, RecordsWhatIsMeasuredAnewWhereItGoesOn) {
+  open("P1");
+  SessionRequest request = request_of("P1");
+  request.fields = {{"refresh_hz", "59.95"}, {"gl_renderer", "another"}};
+  open_session(folder_, log_, request);
+  EXPECT_THAT(load_events(folder_.responses()).back().at(4),
+              AllOf(HasSubstr("\"refresh_hz\":\"59.95\""), HasSubstr("another")));
 }
 
 TEST_F(OpenSessionTest, FinishesASessionThatWasKilledAfterItsLastAnswer) {

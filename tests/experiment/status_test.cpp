@@ -12,6 +12,7 @@
 namespace equilux {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
@@ -64,6 +65,16 @@ TEST_F(Status, TellsTheStationByWhichAWithdrawalNamesExports) {
   log.append_session(make_fake_session(0), {});
   EXPECT_THAT(format_status(folder_),
               HasSubstr("Station of this log: " + log.load_station().substr(0, 8) + ".\n"));
+}
+
+TEST_F(Status, TellsTheNextIndexOfTheStationThatTheLogIs) {
+  TrialLog log(folder_.responses(), true);
+  SessionRow row = make_fake_session(1);
+  row.fields["lane"] = "2/3";
+  log.append_session(row, {});
+  EXPECT_THAT(format_status(folder_),
+              AllOf(HasSubstr("Next free index, artifact: person 4.\n"),
+                    HasSubstr("Station of this log: " + log.load_station().substr(0, 8) + ", 2/3.\n")));
 }
 
 TEST_F(Status, IsToldOfAFolderThatCanOnlyBeRead) {

@@ -99,6 +99,23 @@ TEST_F(TrialLogTest, IsForItsOwnersEyesAlone) {
   }
 }
 
+// One that was copied or restored; a group that may write it is meant to.
+TEST_F(TrialLogTest, KeepsOthersOutAgainWhereTheyWereLetIn) {
+  namespace fs = std::filesystem;
+  {
+    TrialLog log(path_, true);
+  }
+  const auto after_opening = [&](unsigned mode) {
+    fs::permissions(path_, static_cast<fs::perms>(mode));
+    TrialLog log(path_, false);
+    return static_cast<unsigned>(fs::status(path_).permissions());
+  };
+  EXPECT_EQ(after_opening(0644), 0600u);
+  EXPECT_EQ(after_opening(0666), 0660u);
+  EXPECT_EQ(after_opening(0660), 0660u);
+  EXPECT_EQ(after_opening(0600), 0600u);
+}
+
 TEST_F(TrialLogTest, KeepsWhatIsNotKnownOfAScreenEmpty) {
   TrialLog log(path_, true);
   log.append_session(make_fake_session(), make_fake_trials(1));

@@ -71,17 +71,20 @@ TEST_P(EveryMethod, GatheredIsByteForByteWhatOneProcessMakes) {
   const test::TinyStudy study(GetParam());
   make_set(params_of(study, "whole"));
   const auto whole = digest_products(study.folder() / "whole");
+  int not_empty = 0;
   for (const int index : {2, 3, 1}) {
     const SetSummary share = render_share(study, "shares", index, 3);
-    EXPECT_GT(share.layers_rendered, 0u);
+    not_empty += share.layers_rendered > 0 ? 1 : 0;
     EXPECT_EQ(share.pictures_written, 0u);
   }
+  EXPECT_GE(not_empty, 2) << "the set has two objects in views at least";
   EXPECT_FALSE(path_exists(study.folder() / "shares/manifest.json"));
   const SetSummary gathered = gather(study, "shares");
   EXPECT_EQ(gathered.layers_rendered, 0u);
   EXPECT_EQ(digest_products(study.folder() / "shares"), whole);
   EXPECT_FALSE(path_exists(study.folder() / "shares/jobs")) << "what is gathered is not kept twice";
-  EXPECT_EQ(load_timing({study.folder() / "shares"}).as_array().size(), 4u) << "of three shares and the last";
+  EXPECT_EQ(load_timing({study.folder() / "shares"}).as_array().size(), not_empty + 1u)
+      << "of the shares and the last";
   EXPECT_EQ(gather(study, "shares").pictures_written, 0u) << "gathering again changes nothing";
 }
 

@@ -360,9 +360,9 @@ TEST(Set, MemoryThatIsNotThereIsSaidBeforeTheWork) {
   if (!most || *most > estimate_vpl_memory(1'000'000'000)) GTEST_SKIP() << "this machine has too much";
   const test::TinyStudy study;
   Json json = parse_json(load_text(study.path()), "study");
-  Json blocks = json.at("blocks");
-  blocks.as_array().front().set("vpl_counts", parse_json(R"(["1000M"])", ""));
-  json.set("blocks", blocks);
+  Json block = json.at("blocks").at(0);
+  block.set("vpl_counts", parse_json(R"(["1000M"])", ""));
+  json.set("blocks", Json(Json::Array{block}));
   for (const char* list : {"windows", "truth"}) {
     const fs::path path = study.folder() / (std::string(list) + ".json");
     std::string text = load_text(path);

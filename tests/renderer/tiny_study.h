@@ -52,16 +52,19 @@ class TinyStudy {
     }
     json.set("normalise", normalise).set("windows", "windows.json").set("truth", "truth.json");
     json.set("session", "session.json");
+    const std::vector<std::string> names =
+        compensated && many ? std::vector<std::string>{"GS"} : std::vector<std::string>{"MS", "GS"};
+    const std::string materials = compensated && many ? R"(["GS"])" : R"(["MS","GS"])";
     const std::string illuminations = one_light ? R"(["ind"])" : R"(["ind","dir"])";
-    json.set("blocks",
-             parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":["MS","GS"],"illuminations":)" +
-                            illuminations + R"(,"vpl_counts":[")" + count + R"("]}])",
-                        ""));
+    json.set("blocks", parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":)" + materials +
+                                      R"(,"illuminations":)" + illuminations + R"(,"vpl_counts":[")" + count +
+                                      R"("]}])",
+                                  ""));
     path_ = folder_ / ("study-" + variant + std::to_string(seed) + ".json");
     Json windows{Json::Array{}}, truth{Json::Array{}};
     for (const std::string illumination : {"ind", "dir"}) {
       if (one_light && illumination == "dir") continue;
-      for (const std::string material : {"MS", "GS"}) {
+      for (const std::string& material : names) {
         const std::string column = geometry + "-" + material + "-" + illumination + "-" + count;
         windows.push(Json().set("column", column).set("first", "C2").set("origin", "placeholder"));
         truth.push(
