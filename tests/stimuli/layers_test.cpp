@@ -112,5 +112,18 @@ TEST(StudyFolders, ThatAreNoneAreNamed) {
               HasSubstr("nothing of that name"));
 }
 
+TEST(StudyFolders, WhoseStudyExtendsAnotherAreRefused) {
+  const TempFolder folder;
+  const auto base = std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols/pocket.json";
+  for (const Json& extends : {Json(base.string()), Json("study.json"), Json("missing.json"), Json(3)}) {
+    folder.write("study.json", format_json(Json().set("extends", extends)));
+    EXPECT_EQ(message_of<InputError>([&] { load_folder_study({folder.path()}); }),
+              fmt::format("{}: /extends: expected the whole study, as `equilux-render set` writes it, got {}",
+                          (folder / "study.json").string(), describe_json(extends)));
+  }
+  folder.write("study.json", format_json(load_study(base).source));
+  EXPECT_NO_THROW(load_folder_study({folder.path()}));
+}
+
 }  // namespace
 }  // namespace equilux
