@@ -93,6 +93,12 @@ TEST_F(LayersFile, ThatCannotBeReadOrWrittenIsNamed) {
   EXPECT_THROW(save_layers(make_layers(), folder_ / "missing/l.json"), StoreError);
 }
 
+// Blanks take the place of rows, which would take seconds to read.
+TEST_F(LayersFile, MayBeLargerThanOtherFiles) {
+  const auto path = folder_.write("l.json", format_json(json_) + std::string(std::size_t{80} << 20, ' '));
+  EXPECT_EQ(load_layers(path).by_name.size(), 2u);
+}
+
 TEST(StudyFolders, OpenWithTheWindowsAndTruthOfTheirOwn) {
   const TempFolder folder;
   std::filesystem::copy_file(std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols/pocket.json",
