@@ -25,7 +25,6 @@ constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxStringBytes = 4096;
 constexpr std::size_t kMaxMembers =
     256;  // twelve times what any of our objects has; they are searched in line
-constexpr std::size_t kMaxValues = 4'000'000;  // nine times what layers.json of the main study has
 
 // The std::regex of schemas fills a table of the locale as it goes, without a lock (GCC bug 77704): it is
 // filled before threads can meet there.
@@ -57,7 +56,8 @@ std::string escape_pointer(std::string_view token) {
 // Builds the tree from parse events, because nlohmann's own tree keeps only the last of duplicate keys.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit TreeBuilder(std::string_view text, std::string_view source) : text_(text), source_(source) {}
+  TreeBuilder(std::string_view text, std::string_view source, std::size_t max_values)
+      : text_(text), source_(source), max_values_(max_values) {}
 
   Json take() { return std::move(root_); }
 
@@ -131,8 +131,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       throw InputError(source_, pointer(), "strings without zero bytes", "one");
   }
   bool add(Json value) {
-    if (++values_ > kMaxValues)
-      throw InputError(source_, pointer(), fmt::format("at most {} values in all", kMaxValues), "more");
+    if (++values_ > max_values_)
+      throw InputError(source_, pointer(), fmt::format("at most {} values in all", max_values_), "more");
     if (open_.empty()) {
       root_ = std::move(value);
     } else if (open_.back().value.is_array()) {
@@ -159,7 +159,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   std::string_view text_;
   std::string source_;
   std::vector<Level> open_;
-  std::size_t values_ = 0;
+  std::size_t max_values_, values_ = 0;
   Json root_;
 };
 
@@ -435,8 +435,8 @@ Json make_json(const std::vector<std::string>& values) {
   return array;
 }
 
-Json parse_json(std::string_view text, std::string_view source) {
-  TreeBuilder builder(text, source);
+Json parse_json(std::string_view text, std::string_view source, const JsonLimits& limits) {
+  TreeBuilder builder(text, source, limits.values);
   nlohmann::json::sax_parse(text, &builder);
   return builder.take();
 }
@@ -465,8 +465,8 @@ void validate_json(const Json& value, std::string_view schema_text, std::string_
   fail_validation(value, schema_value, pointer_tokens(deepest->context), deepest->description, source);
 }
 
-Json load_json(const std::filesystem::path& path, std::string_view schema) {
-  Json value = parse_json(load_text(path), path.string());
+Json load_json(const std::filesystem::path& path, std::string_view schema, const JsonLimits& limits) {
+  Json value = parse_json(load_text(path, limits.bytes), path.string(), limits);
   validate_json(value, schema, path.string());
   return value;
 }

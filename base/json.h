@@ -66,9 +66,16 @@ class Json {
 /// Array of strings.
 Json make_json(const std::vector<std::string>& values);
 
+/// What a JSON file may take. The tree has some 40 bytes a value.
+struct JsonLimits {
+  std::size_t bytes = std::size_t{64} << 20;
+  std::size_t values = 4'000'000;  ///< in all
+};
+
 /// errors: InputError naming `source`, line and column; duplicate keys, more than 64 levels, 256 members in
-/// an object, 4 million values in all, and strings of more than 4,096 bytes or with a zero byte are refused.
-Json parse_json(std::string_view text, std::string_view source);
+/// an object, more values than the limit, and strings of more than 4,096 bytes or with a zero byte are
+/// refused.
+Json parse_json(std::string_view text, std::string_view source, const JsonLimits& limits = {});
 
 /// Indented text with a final newline; numbers keep their shortest exact form. A number that is not finite is
 /// our bug.
@@ -85,7 +92,7 @@ std::string digest_json(const Json& value);
 void validate_json(const Json& value, std::string_view schema, std::string_view source);
 
 /// Load, parse and validate.
-Json load_json(const std::filesystem::path& path, std::string_view schema);
+Json load_json(const std::filesystem::path& path, std::string_view schema, const JsonLimits& limits = {});
 
 /// "text", 3.5, an array of 4 elements: a value as an error message shows it.
 std::string describe_json(const Json& value);

@@ -65,6 +65,17 @@ void check_blocks(const Study& study, const std::string& source) {
   }
 }
 
+// Of both views: 8,000 of as many objects as columns, and one and a half other materials of each. Five layers
+// of each and those of 88,000 pictures stay within the rows that layers.json may have.
+constexpr std::size_t kMostReferences = 20'000;
+
+void check_references(const Study& study, const std::string& source) {
+  if (const std::size_t count = enumerate_references(study).size(); count > kMostReferences) {
+    throw InputError(source, "/reference_materials",
+                     fmt::format("at most {} references in all", kMostReferences), fmt::format("{}", count));
+  }
+}
+
 // As enumerate_reference_materials, of a study whose objects are known.
 std::vector<std::string> reference_materials_of(const Study& study, const std::vector<Object>& objects,
                                                 const Object& object) {
@@ -235,6 +246,7 @@ Study load_study(const fs::path& path) {
   }
   check_blocks(study, source);
   check_reference_materials(study, source);
+  check_references(study, source);
   return study;
 }
 

@@ -3,26 +3,12 @@
 
 #include "base/error.h"
 #include "stimuli/generators.h"
+#include "stimuli/outline.h"
 
 namespace equilux {
 namespace {
 
-using Point2 = std::array<float, 2>;
-using Triangles = std::vector<std::array<std::uint32_t, 3>>;
-
 constexpr float kCosSmooth = 0.82f;  // of 35 degrees
-
-// Twice the signed area of a, b, c; in double, in which products of floats are exact.
-double turn_of(const Point2& a, const Point2& b, const Point2& c) {
-  return (double{b[0]} - a[0]) * (double{c[1]} - a[1]) - (double{b[1]} - a[1]) * (double{c[0]} - a[0]);
-}
-
-double signed_area(const std::vector<Point2>& outline) {
-  double twice = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i)
-    twice += turn_of(outline[0], outline[i], outline[(i + 1) % outline.size()]);
-  return twice / 2;
-}
 
 bool is_between(const Point2& p, const Point2& a, const Point2& b) {
   return std::min(a[0], b[0]) <= p[0] && p[0] <= std::max(a[0], b[0]) && std::min(a[1], b[1]) <= p[1] &&
@@ -34,47 +20,6 @@ bool meet(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
   if (abc * abd < 0 && cda * cdb < 0) return true;
   return (abc == 0 && is_between(c, a, b)) || (abd == 0 && is_between(d, a, b)) ||
          (cda == 0 && is_between(a, c, d)) || (cdb == 0 && is_between(b, c, d));
-}
-
-bool is_inside(const Point2& p, const Point2& a, const Point2& b, const Point2& c) {
-  return turn_of(a, b, p) >= 0 && turn_of(b, c, p) >= 0 && turn_of(c, a, p) >= 0;
-}
-
-// True if the corner at `i` of what is left can be cut off: it is convex, and nothing else lies in it.
-bool is_ear(const std::vector<Point2>& outline, const std::vector<std::uint32_t>& left, std::size_t i) {
-  const std::size_t n = left.size(), before = (i + n - 1) % n, after = (i + 1) % n;
-  const Point2 &a = outline[left[before]], &b = outline[left[i]], &c = outline[left[after]];
-  if (!(turn_of(a, b, c) > 0)) return false;
-  for (std::size_t j = 0; j < n; ++j) {
-    if (j != before && j != i && j != after && is_inside(outline[left[j]], a, b, c)) return false;
-  }
-  return true;
-}
-
-bool is_straight(const std::vector<Point2>& outline, const std::vector<std::uint32_t>& left, std::size_t i) {
-  const std::size_t n = left.size();
-  return turn_of(outline[left[(i + n - 1) % n]], outline[left[i]], outline[left[(i + 1) % n]]) == 0;
-}
-
-// By cutting ears off a counter-clockwise outline.
-Triangles triangulate(const std::vector<Point2>& outline) {
-  std::vector<std::uint32_t> left(outline.size());
-  for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<std::uint32_t>(i);
-  Triangles triangles;
-  while (left.size() >= 3) {
-    std::size_t i = 0;
-    while (i < left.size() && !is_ear(outline, left, i)) ++i;
-    if (i < left.size()) {
-      const std::size_t n = left.size();
-      triangles.push_back({left[(i + n - 1) % n], left[i], left[(i + 1) % n]});
-    } else {
-      i = 0;
-      while (i < left.size() && !is_straight(outline, left, i)) ++i;
-      EQ_CHECK(i < left.size(), outline.size(), left.size());
-    }
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
-  }
-  return triangles;
 }
 
 Point2 edge_normal(const Point2& from, const Point2& to) {
@@ -137,11 +82,12 @@ bool is_simple_outline(const std::vector<Point2>& outline) {
 TriangleMesh make_extrude(std::vector<Point2> outline, float height) {
   EQ_CHECK(is_simple_outline(outline) && height > 0, outline.size(), height);
   if (signed_area(outline) < 0) std::reverse(outline.begin(), outline.end());
-  const Triangles triangles = triangulate(outline);
+  const auto triangles = triangulate(outline);
+  EQ_CHECK(triangles, outline.size());
   TriangleMesh mesh;
   add_sides(mesh, outline, height);
-  add_cap(mesh, outline, triangles, 0, false);
-  add_cap(mesh, outline, triangles, height, true);
+  add_cap(mesh, outline, *triangles, 0, false);
+  add_cap(mesh, outline, *triangles, height, true);
   return mesh;
 }
 

@@ -9,12 +9,20 @@ namespace equilux {
 
 extern const char kLayersSchema[];
 
+namespace {
+
+// Of the largest study: 88,000 rows of VPLs with 256 errors each, 5.1 KB, and 100,000 of references make 500
+// MiB and 28 million values.
+constexpr JsonLimits kLimits{.bytes = std::size_t{768} << 20, .values = 40'000'000};
+
+}  // namespace
+
 std::string layer_name(const Family& family, const std::string& content) {
   return format_key(family) + "." + content;
 }
 
 Layers load_layers(const std::filesystem::path& path) {
-  const Json json = load_json(path, kLayersSchema);
+  const Json json = load_json(path, kLayersSchema, kLimits);
   Layers layers;
   layers.study_name = json.at("study").as_string();
   layers.study_digest = json.at("study_digest").as_string();

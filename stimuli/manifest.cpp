@@ -12,8 +12,16 @@ namespace equilux {
 
 extern const char kManifestSchema[];
 
+namespace {
+
+// Of the largest study: 88,000 pictures of 1 KB and 20,000 references of 2 KB make 125 MiB and 4 million
+// values.
+constexpr JsonLimits kLimits{.bytes = std::size_t{256} << 20, .values = 10'000'000};
+
+}  // namespace
+
 Manifest load_manifest(const std::filesystem::path& path) {
-  const Json json = load_json(path, kManifestSchema);
+  const Json json = load_json(path, kManifestSchema, kLimits);
   Manifest manifest;
   manifest.study_name = json.at("study").as_string();
   manifest.study_digest = json.at("study_digest").as_string();

@@ -21,8 +21,7 @@ struct TriangleMesh {
 /// What was mended in a mesh from a file, and what was found and kept.
 struct MeshRepairs {
   /// Vertices of the file that stand where another does: joined, so that normals are smooth across them. STL
-  /// has no vertices but corners, and some formats' readers share none (FBX, Collada): there all corners
-  /// count, three a triangle.
+  /// has no vertices but corners: there all of them count, three a triangle.
   std::size_t duplicate_vertices = 0;
   std::size_t degenerate_triangles = 0;   ///< of zero area or with a vertex twice: left out
   std::size_t duplicate_triangles = 0;    ///< of three vertices that have one already, in any order: left out
@@ -39,10 +38,10 @@ struct MeshRepairs {
 /// (weights). errors: InputError naming `source` for over 10,000 triangles at one point.
 TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs, const std::string& source);
 
-/// Reads any format that assimp knows; all its parts as one mesh, repaired, with smooth normals. An STL's
-/// normals are its faces' and not kept. Of further files that it names only those in its folder or below are
-/// read. Adds to `repairs`. errors: InputError for a file that is missing, no mesh, over 1 GiB, a PLY that is
-/// not what its header says (ply_check.h), without triangles, or with coordinates that are not finite.
+/// Reads OBJ, PLY and STL; all parts as one mesh, repaired, with smooth normals. An STL's normals are its
+/// faces' and not kept. No further file is read. Adds to `repairs`. errors: InputError for a file that is
+/// missing, no mesh, over 1 GiB, an OBJ that cannot be read in full (obj_file.h), a PLY that is not what its
+/// header says (ply_check.h), without triangles, or with coordinates that are not finite.
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs = nullptr);
 
 /// Joins b to a; missing normals become flat ones first if only one of the two has them.

@@ -5,13 +5,11 @@
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <fstream>
-#include <set>
-#include <sstream>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "stimuli/mesh.h"
+#include "stimuli/obj_file.h"
 #include "stimuli/ply_check.h"
 
 namespace equilux {
@@ -45,22 +43,6 @@ bool has_extension(const std::filesystem::path& path, std::string_view extension
   return own == extension;
 }
 
-// assimp gives each corner of an OBJ a vertex of its own, so the file's are counted in its text.
-std::size_t count_duplicates_of_obj(const std::filesystem::path& path) {
-  std::ifstream stream(path);
-  std::set<std::array<float, 3>> known;
-  std::size_t vertices = 0;
-  for (std::string line; std::getline(stream, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    std::array<float, 3> p{};
-    if (!(words >> kind) || kind != "v" || !(words >> p[0] >> p[1] >> p[2])) continue;
-    ++vertices;
-    known.insert(p);
-  }
-  return vertices - known.size();
-}
-
 // What assimp's later steps and ours take on trust.
 void check_part(const aiMesh& part, const std::string& source) {
   for (unsigned i = 0; i < part.mNumVertices; ++i) {
@@ -80,30 +62,23 @@ void check_part(const aiMesh& part, const std::string& source) {
   }
 }
 
-// Meshes name further files: of these only regular ones in the mesh's own folder or below are there.
-class FilesBeside : public Assimp::DefaultIOSystem {
+// PLY and STL have no further files.
+class FileAlone : public Assimp::DefaultIOSystem {
  public:
-  explicit FilesBeside(const std::filesystem::path& mesh)
-      : mesh_(mesh.string()), folder_(mesh.parent_path()) {}
+  explicit FileAlone(const std::filesystem::path& mesh) : mesh_(mesh.string()) {}
 
-  bool Exists(const char* name) const override { return is_open_to(name); }
+  bool Exists(const char* name) const override { return name == mesh_; }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
-    return is_open_to(name) ? DefaultIOSystem::Open(name, mode) : nullptr;
+    return Exists(name) ? DefaultIOSystem::Open(name, mode) : nullptr;
   }
 
  private:
-  bool is_open_to(const std::filesystem::path& name) const {
-    if (name == mesh_) return true;
-    const auto beside = name.lexically_normal().lexically_relative((folder_ / ".").lexically_normal());
-    return !beside.empty() && *beside.begin() != ".." && is_file(name);
-  }
-
-  std::filesystem::path mesh_, folder_;
+  std::string mesh_;
 };
 
 // Formats of triangles alone, whose numbers can be checked. Those of whole scenes nest and refer: assimp
 // follows a few bytes of theirs until stack or memory end.
-constexpr std::string_view kFormats[] = {"obj", "ply", "stl"};
+constexpr std::string_view kFormats[] = {"ply", "stl"};
 
 void forget_other_formats(Assimp::Importer& importer) {
   std::vector<Assimp::BaseImporter*> others;
@@ -129,13 +104,10 @@ void check_file(const std::filesystem::path& path) {
   check_ply(path);
 }
 
-}  // namespace
-
-TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) {
-  check_file(path);
+TriangleMesh read_by_assimp(const std::filesystem::path& path, MeshRepairs& found) {
   Assimp::Importer importer;
   forget_other_formats(importer);
-  importer.SetIOHandler(new FilesBeside(path));  // which it deletes
+  importer.SetIOHandler(new FileAlone(path));  // which it deletes
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
   for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_part(*scene->mMeshes[i], path.string());
@@ -145,15 +117,29 @@ TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) 
   }
   if (!scene) throw InputError(path.string(), "", "a mesh in OBJ, PLY or STL", importer.GetErrorString());
   TriangleMesh parts;
-  MeshRepairs ignored;
-  MeshRepairs& found = repairs ? *repairs : ignored;
-  const std::size_t known_duplicates = found.duplicate_vertices;
   const bool with_normals = !has_extension(path, ".stl");
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)
     append_mesh(parts, to_mesh(*scene->mMeshes[i], with_normals, found));
+  return parts;
+}
+
+// Each corner of an OBJ has a vertex of its own, so those of the file are counted as it is read.
+TriangleMesh read_and_repair_obj(const std::filesystem::path& path, MeshRepairs& found) {
+  const TriangleMesh parts = read_obj(path, found);
+  const std::size_t duplicates = found.duplicate_vertices;
   TriangleMesh mesh = repair_mesh(parts, found, path.string());
-  if (has_extension(path, ".obj"))
-    found.duplicate_vertices = known_duplicates + count_duplicates_of_obj(path);
+  found.duplicate_vertices = duplicates;
+  return mesh;
+}
+
+}  // namespace
+
+TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) {
+  check_file(path);
+  MeshRepairs ignored;
+  MeshRepairs& found = repairs ? *repairs : ignored;
+  TriangleMesh mesh = is_obj(path) ? read_and_repair_obj(path, found)
+                                   : repair_mesh(read_by_assimp(path, found), found, path.string());
   if (mesh.triangles.empty())
     throw InputError(path.string(), "", "at least one triangle of non-zero area", "none");
   return mesh;

@@ -5,12 +5,25 @@
 #include "base/files.h"
 
 namespace equilux {
+namespace {
+
+// What a study extends may lie anywhere; a folder is carried around whole.
+void refuse_extension(const std::filesystem::path& path) {
+  const Json json = parse_json(load_text(path), path.string());
+  if (const Json* base = json.find("extends")) {
+    throw InputError(path.string(), "/extends", "the whole study, as `equilux-render set` writes it",
+                     describe_json(*base));
+  }
+}
+
+}  // namespace
 
 Study load_folder_study(const StudyFolder& folder) {
   if (!path_exists(folder.study())) {
     throw InputError(folder.root.string(), "", "a study folder made by `equilux-render set`",
                      path_exists(folder.root) ? "a folder without study.json" : "nothing of that name");
   }
+  refuse_extension(folder.study());
   Study study = load_study(folder.study());
   study.windows_path = folder.windows();
   study.truth_path = folder.truth();

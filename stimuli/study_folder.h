@@ -42,7 +42,7 @@ struct StudyFolder {
 };
 
 /// The study of a folder, its windows and truth being the folder's own. errors: InputError, also where `root`
-/// is no study folder.
+/// is no study folder and where its study extends another.
 Study load_folder_study(const StudyFolder& folder);
 
 }  // namespace equilux

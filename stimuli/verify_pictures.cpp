@@ -34,6 +34,8 @@ std::string find_fault(const StudyFolder& folder, const Study& study, const Mani
                        const std::string& key) {
   const auto found = manifest.pictures.find(key);
   if (found == manifest.pictures.end()) return "no picture; `equilux-render set` makes what is missing";
+  if (const std::string meant = "pictures/" + key + ".png"; found->second.file != meant)
+    return fmt::format("recorded as {}, where {} is meant", found->second.file, meant);
   const fs::path file = folder.root / found->second.file;
   if (!is_file(file)) return "no file " + file.string();
   if (const std::string digest = digest_file(file); digest != found->second.digest)
@@ -44,6 +46,16 @@ std::string find_fault(const StudyFolder& folder, const Study& study, const Mani
   if (!manifest.tones.contains(family_key(key))) return "no tone curve of " + family_key(key);
   if (key == family_key(key) && !study.paths) return find_error_beyond(found->second, study.noise_target);
   return "";
+}
+
+// Where reading fails, that is what is found: the other pictures are still to be looked at.
+std::string find_any_fault(const StudyFolder& folder, const Study& study, const Manifest& manifest,
+                           const std::string& key) {
+  try {
+    return find_fault(folder, study, manifest, key);
+  } catch (const InputError& error) {
+    return error.what();
+  }
 }
 
 }  // namespace
@@ -77,7 +89,7 @@ std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& stu
   const std::vector<std::string> all = enumerate_pictures(study);
   const std::set<std::string> known(all.begin(), all.end());
   for (const std::string& key : keys) {
-    std::string wrong = known.contains(key) ? find_fault(folder, study, manifest, key)
+    std::string wrong = known.contains(key) ? find_any_fault(folder, study, manifest, key)
                                             : "recorded in the manifest, and no picture of the study";
     if (!wrong.empty()) findings.push_back({key, std::move(wrong)});
   }

@@ -25,9 +25,10 @@ std::vector<std::string> enumerate_pictures(const Study& study);
 /// Those, and what the manifest has beside them.
 std::vector<std::string> list_pictures(const Study& study, const Manifest& manifest);
 
-/// Checks these pictures: recorded; the file there, of its digest and size; a tone curve of its family; a
-/// reference's standard error within the study's target, where it has one. A picture of another study is
-/// the manifest's finding, and so is a key that the study does not have. Reads every file.
+/// Checks these pictures: recorded, as pictures/KEY.png; the file there, readable, of its digest and size; a
+/// tone curve of its family; a reference's standard error within the study's target, where it has one. A
+/// picture of another study is the manifest's finding, and so is a key that the study does not have. Reads
+/// every file.
 std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& study, const Manifest& manifest,
                                      const std::vector<std::string>& keys);
 

@@ -86,6 +86,9 @@ TEST(ParseJson, BoundsItsMembersAndValues) {
   std::string zeros = "[0";
   for (int i = 1; i < 4'000'000; ++i) zeros += ",0";
   EXPECT_THAT(refusal_of(zeros + "]"), HasSubstr("at most 4000000 values in all, got more"));
+  EXPECT_NO_THROW(parse_json("[0,0,0]", "a.json", {.values = 4}));
+  EXPECT_THAT(message_of<InputError>([] { parse_json("[0,0,0]", "a.json", {.values = 3}); }),
+              HasSubstr("at most 3 values in all, got more"));
 }
 
 TEST(ParseJson, RefusesANumberBeyondDouble) {

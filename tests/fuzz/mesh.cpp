@@ -1,5 +1,5 @@
-// A mesh file: the first byte chooses the ending of its name, by which assimp goes first; one that it does
-// not know leaves it to what the file holds.
+// A mesh file: the first byte chooses the ending of its name, which says the format; one that names none
+// leaves it to what the file holds.
 #include "stimuli/mesh.h"
 
 #include "tests/fuzz/fuzz.h"

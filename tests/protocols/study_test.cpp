@@ -196,6 +196,24 @@ TEST_F(StudyFile, OfAsManyColumnsAsAreAllowedIsReadAndEnumeratedAtOnce) {
   EXPECT_EQ(enumerate_references(study).size(), 8000u) << "each material is a reference of the others";
 }
 
+// 64 x 2 objects a block, each with 64 other materials.
+TEST_F(StudyFile, OfMoreReferencesThanLayersCanBeRecordedIsRefused) {
+  std::vector<std::string> materials;
+  for (int i = 0; i < 64; ++i) materials.push_back(fmt::format("Y{}", i));
+  const auto block_of = [](const std::string& letter) {
+    std::vector<std::string> geometries;
+    for (int i = 0; i < 64; ++i) geometries.push_back(fmt::format("{}{}", letter, i));
+    Json block;
+    block.set("geometries", make_json(geometries)).set("materials", make_json({"MS"}));
+    return block.set("illuminations", make_json({"ind", "dir"})).set("vpl_counts", make_json({"1k"}));
+  };
+  Json study = with(pocket_, "/blocks", Json(Json::Array{block_of("A")}));
+  study.set("reference_materials", make_json(materials));
+  EXPECT_EQ(enumerate_references(load(study)).size(), 64u * 2 * 65 * 2);
+  EXPECT_EQ(refusal_of(with(study, "/blocks/-", block_of("B"))),
+            "/reference_materials: expected at most 20000 references in all, got 33280");
+}
+
 TEST_F(StudyFile, WithoutAReferenceMaterialSaysForWhichObject) {
   EXPECT_THAT(
       refusal_of(without(normalisation_, "/reference_materials")),

@@ -93,6 +93,12 @@ TEST_F(LayersFile, ThatCannotBeReadOrWrittenIsNamed) {
   EXPECT_THROW(save_layers(make_layers(), folder_ / "missing/l.json"), StoreError);
 }
 
+// Blanks take the place of rows, which would take seconds to read.
+TEST_F(LayersFile, MayBeLargerThanOtherFiles) {
+  const auto path = folder_.write("l.json", format_json(json_) + std::string(std::size_t{80} << 20, ' '));
+  EXPECT_EQ(load_layers(path).by_name.size(), 2u);
+}
+
 TEST(StudyFolders, OpenWithTheWindowsAndTruthOfTheirOwn) {
   const TempFolder folder;
   std::filesystem::copy_file(std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols/pocket.json",
@@ -110,6 +116,19 @@ TEST(StudyFolders, ThatAreNoneAreNamed) {
               AllOf(StartsWith(folder.path().string()), HasSubstr("a folder without study.json")));
   EXPECT_THAT(message_of<InputError>([&] { load_folder_study({folder / "none"}); }),
               HasSubstr("nothing of that name"));
+}
+
+TEST(StudyFolders, WhoseStudyExtendsAnotherAreRefused) {
+  const TempFolder folder;
+  const auto base = std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols/pocket.json";
+  for (const Json& extends : {Json(base.string()), Json("study.json"), Json("missing.json"), Json(3)}) {
+    folder.write("study.json", format_json(Json().set("extends", extends)));
+    EXPECT_EQ(message_of<InputError>([&] { load_folder_study({folder.path()}); }),
+              fmt::format("{}: /extends: expected the whole study, as `equilux-render set` writes it, got {}",
+                          (folder / "study.json").string(), describe_json(extends)));
+  }
+  folder.write("study.json", format_json(load_study(base).source));
+  EXPECT_NO_THROW(load_folder_study({folder.path()}));
 }
 
 }  // namespace

@@ -128,6 +128,28 @@ TEST_F(ManifestFile, ThatCannotBeReadOrWrittenIsNamed) {
   EXPECT_THROW(save_manifest(make_manifest(), folder_ / "missing/m.json"), StoreError);
 }
 
+// More than other files may have; the largest study's manifest has 125 MiB.
+TEST_F(ManifestFile, OfManyPicturesSavesAndLoadsAgain) {
+  Manifest manifest = make_manifest();
+  Json check{Json::Array{}};
+  for (int i = 0; i < 10; ++i) {
+    Json row;
+    row.set("region", "whole").set("pixels", 12345).set("mean", 0.123456789 + i).set("standard_error", 0.1);
+    row.set("path_traced", 0.123456789).set("path_traced_error", 0.1).set("z", -0.123456789);
+    check.push(std::move(row));
+  }
+  Json reference;
+  reference.set("method", "compensated").set("paths", 2000).set("check", std::move(check));
+  for (int i = 0; i < 23'000; ++i) {
+    const std::string key = fmt::format("Geometry{}-MS-ind-ref-v0", i);
+    manifest.pictures[key] = {
+        "pictures/" + key + ".png", digest_text(key), digest_text("from"), {}, reference};
+  }
+  save_manifest(manifest, folder_ / "m.json");
+  ASSERT_GT(std::filesystem::file_size(folder_ / "m.json"), std::size_t{64} << 20);
+  EXPECT_EQ(load_manifest(folder_ / "m.json").pictures.size(), manifest.pictures.size());
+}
+
 TEST(DigestPictures, DependsOnThePicturesAndNotOnTheirOrder) {
   Manifest manifest = make_manifest();
   const std::string a = "G0-MS-ind-1k-C0-v0", b = "G0-MS-ind-1k-C1-v0", c = "G0-MS-ind-ref-v0";

@@ -1,0 +1,21 @@
+// Wavefront OBJ, read line by line. Private to this folder.
+#pragma once
+
+#include <filesystem>
+
+#include "stimuli/mesh.h"
+
+namespace equilux {
+
+/// True for a file that its ending or, where that names no format of ours, its first statement calls OBJ.
+bool is_obj(const std::filesystem::path& path);
+
+/// The faces of an OBJ: polygons are cut into triangles, corners that have a normal keep it, the others get
+/// zero. Points, lines, curves, texture coordinates, colours, groups and materials are not read. Adds to
+/// `found` what a polygon has of degenerate triangles, and vertices that stand where another does. shape:
+/// each corner has a vertex of its own. errors: InputError naming the line, for whatever would be another
+/// shape if it were left out (surfaces, calls of other files, weights) and for what is not OBJ; at most 4,096
+/// corners in a face.
+TriangleMesh read_obj(const std::filesystem::path& path, MeshRepairs& found);
+
+}  // namespace equilux
