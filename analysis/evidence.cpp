@@ -62,6 +62,7 @@ void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
   append(all.answers, part.answers);
   append(all.summaries, part.summaries);
   all.unfinished += part.unfinished;
+  all.unanswered += part.unanswered;
 }
 
 }  // namespace

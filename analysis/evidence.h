@@ -13,10 +13,11 @@ namespace equilux {
 
 /// One experiment, one kind of subjects.
 struct ExperimentEvidence {
-  std::vector<SessionRow> finished;            ///< in order of subject index
-  std::vector<AnswerRow> answers;              ///< of the finished sessions
-  std::int64_t unfinished = 0;                 ///< sessions left out
-  std::string digest;                          ///< digest_answers; of a pool, of its logs' digests, sorted
+  std::vector<SessionRow> finished;  ///< in order of subject index
+  std::vector<AnswerRow> answers;    ///< of the finished sessions
+  std::int64_t unfinished = 0;       ///< sessions left out
+  std::int64_t unanswered = 0;       ///< main trials of finished sessions without an answer, left out
+  std::string digest;                ///< digest_answers; of a pool, of its logs' digests, sorted
   std::vector<SessionSummary> summaries = {};  ///< of finished and unfinished sessions
 };
 

@@ -364,6 +364,7 @@ std::string format_tracing(const std::vector<Report>& reports) {
       {"k and n of a cell", "cells.csv",
        "<code>SELECT cell, sum(answer = test_side), count(*) FROM trial JOIN session ON session.id = session "
        "WHERE kind = KIND AND experiment = EXPERIMENT AND complete = 1 AND phase = 'main' "
+       "AND answer IS NOT NULL "
        "GROUP BY cell</code> in each log; added up over logs"},
       {"intervals, p, q, posterior", "cells.csv",
        "k and n alone; q from the p of all tested cells of the experiment"},

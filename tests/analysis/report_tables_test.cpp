@@ -19,6 +19,7 @@
 #include "protocols/session_protocol.h"
 #include "tests/analysis/columns.h"
 #include "tests/experiment/fake_trials.h"
+#include "tests/experiment/raw_database.h"
 #include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
@@ -339,7 +340,17 @@ const Table& find_table(const std::vector<ReportTable>& tables, const std::strin
       ->table;
 }
 
+// As no program leaves it: an answer is taken from a finished session.
+void erase_answer(const StudyFolder& folder, int session, int trial) {
+  RawDatabase(folder.responses())
+      .query(fmt::format("UPDATE trial SET answer = NULL, response_time_ns = NULL, answered_utc = NULL"
+                         " WHERE session = {} AND trial = {}",
+                         session, trial));
+}
+
 TEST_F(Folders, have_the_same_sums_in_every_file) {
+  const StudyFolder damaged{temporary_ / "b"};
+  erase_answer(damaged, 1, 3);
   const auto reports = load({"a", "b", "n"});
   const auto tables = make_report_tables(reports);
   const Table answers = make_answers_table(reports);
@@ -352,6 +363,23 @@ TEST_F(Folders, have_the_same_sums_in_every_file) {
   EXPECT_EQ(json.at("ee").as_array().size(), 8U + 12U);
   for (const Json& row : json.at("ee").as_array()) EXPECT_TRUE(row.at("ee_paper").is_bool());
   EXPECT_EQ(parse_json(format_json(json), "report.json"), json);
+}
+
+TEST_F(Folders, leave_out_a_trial_without_an_answer_and_say_so) {
+  const StudyFolder folder{temporary_ / "b"};
+  const Report whole = load({"b"})[0];
+  erase_answer(folder, 1, 3);
+  const Report report = load({"b"})[0];
+  EXPECT_THAT(report.warnings,
+              testing::Contains("1 trials of finished artifact sessions have no answer: they "
+                                "are left out."));
+  EXPECT_EQ(count_answers(report.artifact), count_answers(whole.artifact) - 1);
+  EXPECT_EQ(report.material, whole.material);
+  const InterimFindings interim = load_interim(folder, report.study, SubjectKind::kPlanted);
+  for (std::size_t c = 0; c < interim.columns.size(); ++c)
+    EXPECT_EQ(interim.columns[c].artifact, report.findings[c].artifact);
+  EXPECT_NE(format_page({report}).find("AND answer IS NOT NULL GROUP BY cell"), std::string::npos);
+  EXPECT_THAT(load({"a", "b"})[0].warnings, testing::Contains(testing::HasSubstr("have no answer")));
 }
 
 // A person without whom a verdict is another is named once for each such column.
