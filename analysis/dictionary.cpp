@@ -41,8 +41,14 @@ constexpr DictionaryEntry kDictionary[] = {
     {"thresholds.csv", "cut", "string",
      "artifact: the least clamped level from which on it is free; material: the most clamped one up to which "
      "it is "
-     "unchanged; empty where there is none"},
-    {"thresholds.csv", "status", "string", "cut, censored_low, censored_high, none, untested"},
+     "unchanged; empty where there is none or where it lies below all tested levels"},
+    {"thresholds.csv", "status", "string",
+     "cut; censored_low, artifact: none at any tested level, so that the threshold is at the cut or less "
+     "clamped; material: a change at every tested level, so that it is less clamped than the first of "
+     "tested; "
+     "censored_high: beyond the most clamped tested level; none: artifacts at the most clamped level, or a "
+     "change "
+     "at the least clamped one; untested"},
     {"thresholds.csv", "monotone", "boolean", "whether proportions are monotone over clamp"},
     {"thresholds.csv", "flags_monotone", "boolean", "whether flags are; where false the rule decides"},
     {"thresholds.csv", "tested", "string", "clamp levels with answers"},
@@ -50,7 +56,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "levels that the rule keeps for the material experiment, without answers"},
     {"thresholds.csv", "cut_lower", "string",
      "least clamped end of the 95 % range of cuts when subjects are drawn again; none: no level; one that is "
-     "more clamped than all that were tested: it or more clamped"},
+     "more clamped than all that were tested: it or more clamped. Where material cuts lie below all tested "
+     "levels the range reaches from none up to the level before them"},
     {"thresholds.csv", "cut_upper", "string", "most clamped end of it; none: no level"},
     {"ee.csv", "ee_paper", "boolean",
      "whether some clamp level is free of artifacts and of the same material"},

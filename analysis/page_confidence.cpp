@@ -33,10 +33,18 @@ std::string format_end(int place, const std::vector<int>& tested, Experiment exp
   return place >= tested.back() && place < study.clamp_levels.back() ? "&ge; " + level : level;
 }
 
+// "&lt; C7 to C9" where a material cut may lie below all tested levels.
 std::string format_range(const std::optional<CutRange>& range, const ColumnCounts& counts,
                          Experiment experiment, const Study& study) {
   if (!range) return kDash;
   const std::vector<int> tested = find_tested(counts);
+  if (experiment == Experiment::kMaterial && !tested.empty() && range->lower < tested.front() &&
+      tested.front() > study.clamp_levels.front()) {
+    const std::string below = "&lt; " + format_clamp(tested.front());
+    return range->upper < tested.front()
+               ? below
+               : fmt::format("{} to {}", below, format_end(range->upper, tested, experiment, study));
+  }
   const std::string lower = format_end(range->lower, tested, experiment, study),
                     upper = format_end(range->upper, tested, experiment, study);
   return range->lower == range->upper ? lower : fmt::format("{} to {}", lower, upper);
@@ -274,7 +282,10 @@ std::string format_uncertainty(const Report& report) {
              "each experiment, in which it exists; the cuts are 95&nbsp;% ranges over them, under paper "
              "widened to those under isotonic, and "
              "&ldquo;none&rdquo; stands for no level, &ldquo;&ge; C8&rdquo; for C8 and more clamped, not "
-             "tested, &ldquo;&le;&rdquo; for less clamped; censored_low and censored_high: the cut itself "
+             "tested, &ldquo;&le;&rdquo; for less clamped, &ldquo;&lt; C7&rdquo; for a material cut below "
+             "C7, the "
+             "first "
+             "level tested, where that looks changed already; censored_low and censored_high: the cut itself "
              "lies beyond the tested levels. Turned by one: subjects without any one of whom the verdict "
              "is another, by name in <code>subjects.csv</code>.{} Seed {}. From <code>ee.csv</code> and "
              "<code>thresholds.csv</code>.</p>\n"

@@ -48,26 +48,32 @@ struct ColumnSlots {
   std::vector<int> levels;
 };
 
-// How often a cut was where. shape: a place for no level before the first, one each, one beyond the last.
+// How often a cut was where, at least and at most clamped. shape: a place for no level before the first, one
+// each, one beyond the last.
 class CutHistogram {
  public:
-  explicit CutHistogram(const std::vector<int>& levels) : levels_(levels), counts_(levels.size() + 2, 0) {}
+  explicit CutHistogram(const std::vector<int>& levels)
+      : levels_(levels), least_(levels.size() + 2, 0), most_(least_) {}
 
   void add(const Threshold& threshold, Experiment experiment) {
     if (threshold.status == CutStatus::kUntested) return;
-    ++counts_[threshold.cut                         ? place_of(*threshold.cut)
-              : experiment == Experiment::kArtifact ? counts_.size() - 1
-                                                    : 0];
+    const std::size_t none = experiment == Experiment::kArtifact ? least_.size() - 1 : 0;
+    const std::size_t place = threshold.cut ? place_of(*threshold.cut) : none;
+    ++least_[place];
+    ++most_[threshold.below ? place_of(*threshold.below) - 1 : place];
   }
 
   void add(const CutHistogram& other) {
-    for (std::size_t place = 0; place < counts_.size(); ++place) counts_[place] += other.counts_[place];
+    for (std::size_t place = 0; place < least_.size(); ++place) {
+      least_[place] += other.least_[place];
+      most_[place] += other.most_[place];
+    }
   }
 
   std::optional<CutRange> find_range(double tail) const {
-    const std::int64_t total = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0});
+    const std::int64_t total = std::accumulate(least_.begin(), least_.end(), std::int64_t{0});
     if (total == 0) return std::nullopt;
-    return CutRange{find_quantile(tail, total), find_quantile(1 - tail, total)};
+    return CutRange{find_quantile(least_, tail, total), find_quantile(most_, 1 - tail, total)};
   }
 
  private:
@@ -75,17 +81,17 @@ class CutHistogram {
     return static_cast<std::size_t>(std::find(levels_.begin(), levels_.end(), level) - levels_.begin()) + 1;
   }
   // Nearest rank.
-  int find_quantile(double share, std::int64_t total) const {
+  int find_quantile(const std::vector<std::int64_t>& counts, double share, std::int64_t total) const {
     const double rank = std::max(1.0, std::ceil(share * static_cast<double>(total)));
     std::int64_t below = 0;
     std::size_t place = 0;
-    while (place + 1 < counts_.size() && static_cast<double>(below += counts_[place]) < rank) ++place;
+    while (place + 1 < counts.size() && static_cast<double>(below += counts[place]) < rank) ++place;
     if (place == 0) return levels_.front() - 1;
     return place > levels_.size() ? levels_.back() + 1 : levels_[place - 1];
   }
 
   std::vector<int> levels_;
-  std::vector<std::int64_t> counts_;
+  std::vector<std::int64_t> least_, most_;
 };
 
 struct Thresholds {

@@ -26,7 +26,8 @@ struct UncertaintyParams {
 /// levels. Under `paper` it is widened to the range under `isotonic`: of many levels near the cut that rule
 /// takes the outermost that chance flags, and of a resample's again, so that its own range drifts outwards.
 struct CutRange {
-  int lower = 0;  ///< a clamp level; -1: no level, before the first one (material)
+  int lower = 0;  ///< a clamp level; -1: no level, before the first one (material). A material threshold
+                  ///< below all tested levels may lie from there up to the level before them
   int upper = 0;  ///< a clamp level; one more than the last: no level, beyond it (artifact)
   bool operator==(const CutRange&) const = default;
 };

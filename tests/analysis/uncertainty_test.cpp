@@ -219,6 +219,11 @@ TEST(Bootstrap, shows_a_cut_that_may_lie_at_no_level_as_one_beyond_the_scale) {
   EXPECT_EQ(paper.material_cut, (CutRange{-1, 10}));
 }
 
+TEST(Bootstrap, lets_a_material_cut_below_the_tested_levels_lie_anywhere_there) {
+  const auto paper = make_two_cells(0, 12, 14, 14).disturb({1, 10, 100}).front().under(Rule::kPaper);
+  EXPECT_EQ(paper.material_cut, (CutRange{-1, 4})) << "C5 was tested";
+}
+
 TEST(Flips, are_the_subjects_without_whom_the_verdict_is_another) {
   // 8 of 12 is not flagged; without one who was wrong it is 8 of 11, which is not either: 800 < 825.
   EXPECT_TRUE(
