@@ -60,7 +60,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "levels the range reaches from none up to the level before them"},
     {"thresholds.csv", "cut_upper", "string", "most clamped end of it; none: no level"},
     {"ee.csv", "ee_paper", "boolean",
-     "whether some clamp level is free of artifacts and of the same material"},
+     "whether some clamp level is free of artifacts and of the same material; empty where status is "
+     "untested"},
     {"ee.csv", "ee_isotonic", "boolean", "the same under the rule isotonic"},
     {"ee.csv", "status_paper", "string", "exists, none, untested"},
     {"ee.csv", "green_paper", "string", "equivalent levels"},

@@ -361,8 +361,29 @@ TEST_F(Folders, have_the_same_sums_in_every_file) {
   const Json json = make_report_json(reports);
   EXPECT_EQ(json.at("cells").as_array().size(), find_table(tables, "cells.csv").rows.size());
   EXPECT_EQ(json.at("ee").as_array().size(), 8U + 12U);
-  for (const Json& row : json.at("ee").as_array()) EXPECT_TRUE(row.at("ee_paper").is_bool());
+  for (const Json& row : json.at("ee").as_array()) {
+    const std::string& status = row.at("status_paper").as_string();
+    EXPECT_EQ(row.at("ee_paper"), status == "untested" ? Json(nullptr) : Json(status == "exists"));
+  }
   EXPECT_EQ(parse_json(format_json(json), "report.json"), json);
+}
+
+// Before the material experiment nothing is known of EE but where every level has artifacts.
+TEST_F(Folders, leave_ee_empty_where_it_is_untested) {
+  make_answered_folder(temporary_ / "half", "pocket", 4, 12, 0);
+  const auto reports = load({"half"});
+  const auto tables = make_report_tables(reports);
+  const Table& ee = find_table(tables, "ee.csv");
+  std::size_t untested = 0;
+  for (const auto& row : ee.rows) {
+    const std::string status = row[place_of(ee, "status_paper")];
+    untested += status == "untested" ? 1 : 0;
+    EXPECT_EQ(row[place_of(ee, "ee_paper")], status == "untested" ? "" : "false");
+  }
+  EXPECT_GT(untested, 0U);
+  const Json json = make_report_json(reports);
+  for (const Json& row : json.at("ee").as_array())
+    EXPECT_EQ(row.at("ee_isotonic").is_null(), row.at("status_isotonic").as_string() == "untested");
 }
 
 TEST_F(Folders, leave_out_a_trial_without_an_answer_and_say_so) {
