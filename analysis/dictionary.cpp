@@ -80,7 +80,9 @@ constexpr DictionaryEntry kDictionary[] = {
     {"ee.csv", "bootstrap_paper", "number", "share of resamples of subjects in which EE is true"},
     {"ee.csv", "flips_paper", "integer",
      "subjects, of both experiments, without any one of whom EE is another; one of both is left out of both"},
-    {"ee.csv", "ee70_paper", "string", "exists, none or untested with cells flagged at 70 % correct"},
+    {"ee.csv", "ee70_paper", "string",
+     "exists, none or untested with cells flagged at 70 % correct; a dropped column is untested where that "
+     "cut would leave it a level"},
     {"ee.csv", "ee80_paper", "string", "the same at 80 %"},
     {"ee.csv", "posterior_isotonic", "number", "as posterior_paper"},
     {"ee.csv", "bootstrap_isotonic", "number", "as bootstrap_paper"},
