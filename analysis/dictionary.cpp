@@ -84,6 +84,19 @@ constexpr DictionaryEntry kDictionary[] = {
      "exists, none or untested with cells flagged at 70 % correct; a dropped column is untested where that "
      "cut would leave it a level"},
     {"ee.csv", "ee80_paper", "string", "the same at 80 %"},
+    {"ee.csv", "free_posterior_paper", "number",
+     "of a column with no_candidates: posterior probability, by its artifact answers, that some level is "
+     "free "
+     "of artifacts; EE, of which nobody was asked there, is no more probable"},
+    {"ee.csv", "free_bootstrap_paper", "number",
+     "of such a column: share of resamples of subjects in which some level is free of artifacts"},
+    {"ee.csv", "free_flips_paper", "integer",
+     "of such a column: subjects without any one of whom some level is free of artifacts if none was, or "
+     "none "
+     "if one was"},
+    {"ee.csv", "free_posterior_isotonic", "number", "as free_posterior_paper"},
+    {"ee.csv", "free_bootstrap_isotonic", "number", "as free_bootstrap_paper"},
+    {"ee.csv", "free_flips_isotonic", "integer", "as free_flips_paper"},
     {"ee.csv", "posterior_isotonic", "number", "as posterior_paper"},
     {"ee.csv", "bootstrap_isotonic", "number", "as bootstrap_paper"},
     {"ee.csv", "flips_isotonic", "integer", "as flips_paper"},

@@ -102,15 +102,23 @@ const char* explain_status(UncertaintyStatus status) {
     case UncertaintyStatus::kOneSubject:
       return "one subject: nobody to draw again";
     case UncertaintyStatus::kNoCandidates:
-      return "no level is free of artifacts";
+      return "no level is left free of artifacts";
   }
   return "";
 }
 
+// The share, or a bound of it, rounded up: that of a level that is free of artifacts where nobody was asked
+// about the material.
+std::string format_bounded(const std::optional<double>& value, const std::optional<double>& bound) {
+  if (value || !bound) return format_share(value);
+  return fmt::format("&le; {:.2f}", std::ceil(*bound * 100) / 100);
+}
+
 // The subject numbers of a column whose leaving out turns the verdict, both experiments.
 std::string count_flips(const ColumnUncertainty& column, Rule rule) {
-  if (column.status != UncertaintyStatus::kEstimated) return kDash;
   const RuleUncertainty& under = column.under(rule);
+  if (under.free_bootstrap) return fmt::format("{}", under.free_flips.size());
+  if (column.status != UncertaintyStatus::kEstimated) return kDash;
   return fmt::format("{}", under.artifact_flips.size() + under.material_flips.size());
 }
 
@@ -121,8 +129,8 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
   return {escape_xml(format_key(finding.column)),
           mark_verdict(finding.under(report.rule)),
           format_green(finding.under(report.rule)),
-          format_share(under.posterior),
-          format_share(under.bootstrap),
+          format_bounded(under.posterior, under.free_posterior),
+          format_bounded(under.bootstrap, under.free_bootstrap),
           count_flips(column, report.rule),
           mark_verdict(report.at_other_percents[0][c].under(report.rule)),
           mark_verdict(report.at_other_percents[1][c].under(report.rule)),
@@ -287,7 +295,12 @@ std::string format_uncertainty(const Report& report) {
              "first "
              "level tested, where that looks changed already; censored_low and censored_high: the cut itself "
              "lies beyond the tested levels. Turned by one: subjects without any one of whom the verdict "
-             "is another, by name in <code>subjects.csv</code>.{} Seed {}. From <code>ee.csv</code> and "
+             "is another, by name in <code>subjects.csv</code>. Where no level is left free of artifacts "
+             "nobody was "
+             "asked about the material: &le; is the share in which some level is free, more cannot be "
+             "equivalent, "
+             "and turned by one counts the subjects without whom that is another.{} Seed {}. From "
+             "<code>ee.csv</code> and "
              "<code>thresholds.csv</code>.</p>\n"
              "<p class=\"note\">Supported is said of one level: in each experiment by itself, one-sided at "
              "95&nbsp;%, "
@@ -322,7 +335,8 @@ std::string format_rule_certainty(const Report& report) {
       const bool stands = is_shared(finding, under) && !rests_on_untested(report.findings[c], rule);
       firm.insert(stands);
       row.insert(row.end(), {std::string(mark_verdict(finding)) + (stands ? " firm" : ""),
-                             format_share(under.posterior), format_share(under.bootstrap)});
+                             format_bounded(under.posterior, under.free_posterior),
+                             format_bounded(under.bootstrap, under.free_bootstrap)});
     }
     differ += firm.size() > 1 ? 1 : 0;
     table.rows.push_back(std::move(row));
@@ -363,7 +377,9 @@ std::string format_trends(const Report& report) {
          "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
          "trends; the least is what verdicts all at one end, along every trend, would give. p speaks of the "
          "columns of this study, the interval of its subjects, neither of other scenes. The interval is the "
-         "effect give or take the farther end of what subjects drawn again give. A trend "
+         "effect give or take the farther end of what subjects drawn again give; a column that was dropped, "
+         "and in "
+         "such a sample would not be, counts as what takes the effect farther. A trend "
          "holds iff p by Holm is 0.05 or less and "
          "the "
          "interval leaves out 0. From <code>trends.csv</code>.</p>\n";

@@ -316,6 +316,26 @@ TEST(Uncertainty, of_a_column_that_pruning_dropped_says_that_it_has_no_candidate
   EXPECT_EQ(result.under(Rule::kPaper).artifact_cut, (CutRange{11, 11}));
 }
 
+// Some level is free under `paper` iff C10 is not flagged: in closed form by its posterior, and Bin(12, 9 /
+// 12) drawn again. Seed 3, 20,000 draws, four standard errors. Without one of the nine it is 8 of 11, not
+// flagged.
+TEST(Uncertainty, of_a_dropped_column_says_how_sure_it_is_that_no_level_is_free) {
+  Answered answered = make_two_cells(9, 12, 0, 0);
+  for (AnswerRow& row : answered.artifact) row.cell.clamp_level = 10;
+  const auto result = answered.disturb({3, 20000, 20000}).front();
+  ASSERT_EQ(result.status, UncertaintyStatus::kNoCandidates);
+  const double posterior = 1 - *eval_posterior_over({9, 12}), share = 1 - eval_upper_tail(9, 12, 9.0 / 12);
+  for (const Rule rule : kRules) {
+    const RuleUncertainty& under = result.under(rule);
+    EXPECT_NEAR(*under.free_posterior, posterior, 4 * std::sqrt(posterior * (1 - posterior) / 20000));
+    EXPECT_NEAR(*under.free_bootstrap, share, 4 * std::sqrt(share * (1 - share) / 20000));
+    EXPECT_EQ(under.free_flips, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+    EXPECT_FALSE(under.posterior || under.bootstrap);
+    EXPECT_TRUE(under.artifact_flips.empty());
+  }
+  EXPECT_FALSE(make_two_cells(9, 12, 0, 14).disturb({3, 10, 10}).front().under(Rule::kPaper).free_posterior);
+}
+
 // Seed 7: rows shuffled, subjects renamed and exchanged, the same numbers to the last bit.
 TEST(Uncertainty, is_the_same_under_permutation_of_rows_and_of_subjects) {
   Answered answered = from(make_planted_study("pocket", 12, 14, 6, 0.1));
