@@ -289,6 +289,16 @@ TEST(ResponseMatrix, adds_up_the_sessions_of_a_person_and_keeps_those_without_a_
   EXPECT_EQ(count_weighted(grouped, {1, 1, 1}), count_weighted(sessions, {1, 1, 1, 1}));
 }
 
+// 300 sessions of one code, of which 280 are right: more than a byte counts.
+TEST(ResponseMatrix, adds_up_as_many_sessions_of_a_person_as_there_are) {
+  const ResponseMatrix sessions = make_response_matrix(make_two_cells(280, 300, 0, 0).artifact);
+  const ResponseMatrix grouped = group_by_person(sessions, make_codes(300, 300));
+  ASSERT_EQ(grouped.subjects(), 1U);
+  EXPECT_EQ(grouped.asked.at(0), 300);
+  EXPECT_EQ(grouped.correct.at(0), 280);
+  EXPECT_EQ(count_weighted(grouped, {2}), (std::vector<Count>{{560, 600}}));
+}
+
 TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite) {
   const auto status_of = [](const Answered& answered) { return answered.disturb({1, 50, 50}).front(); };
   EXPECT_EQ(status_of(make_two_cells(0, 0, 0, 0)).status, UncertaintyStatus::kUntested);
