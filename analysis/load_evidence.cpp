@@ -76,6 +76,7 @@ struct FolderLog {
     evidence.artifact = load_experiment(reading, kind, Experiment::kArtifact, study);
     evidence.material = load_experiment(reading, kind, Experiment::kMaterial, study);
     evidence.withdrawn = log.count_withdrawn();
+    evidence.others = count_others(reading.sessions, kind);
     return evidence;
   }
 

@@ -221,6 +221,12 @@ void warn_of_unanswered(Report& report, const ExperimentEvidence& evidence, Expe
                   format_experiment(experiment)));
 }
 
+void warn_of_others(Report& report) {
+  if (report.evidence.others.empty()) return;
+  report.warnings.push_back(fmt::format("Finished sessions of other kinds are not counted here: {}.",
+                                        describe_totals(report.evidence.others)));
+}
+
 void warn_of_withdrawn(Report& report) {
   if (report.evidence.withdrawn == 0 || report.evidence.kind != SubjectKind::kPerson) return;
   report.warnings.push_back(
@@ -395,6 +401,7 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
   warn_of_unanswered(report, report.evidence.artifact, Experiment::kArtifact);
   warn_of_unanswered(report, report.evidence.material, Experiment::kMaterial);
+  warn_of_others(report);
   warn_of_withdrawn(report);
   warn_of_protocols(report);
   return report;

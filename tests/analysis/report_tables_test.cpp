@@ -216,6 +216,24 @@ TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and
   EXPECT_NE(page.find("2 of 4 (at least 2)"), std::string::npos);
 }
 
+// Planted artifact answers, and material sessions of persons: these are not what the report is of.
+TEST_F(Folders, name_finished_sessions_of_other_kinds) {
+  EXPECT_THAT(load({"a"})[0].warnings, testing::Not(testing::Contains(testing::HasSubstr("other kinds"))));
+  for (const char* name : {"a", "b"}) {
+    const StudyFolder folder{temporary_ / name};
+    SessionRow row = make_person(0, load_folder_study(folder), "");
+    row.experiment = Experiment::kMaterial;
+    row.digests.windows = "";
+    TrialLog log(folder.responses());
+    log.finish_session(log.append_session(row, make_person_trials(load_folder_study(folder), 8)), 1);
+  }
+  const std::string told = "Finished sessions of other kinds are not counted here: {} of the kind person.";
+  EXPECT_THAT(load({"a"})[0].warnings,
+              testing::Contains(fmt::format(fmt::runtime(told), "1 material sessions")));
+  EXPECT_THAT(load({"a", "b"})[0].warnings,
+              testing::Contains(fmt::format(fmt::runtime(told), "2 material sessions")));
+}
+
 TEST_F(Folders, give_the_same_bytes_in_any_order) {
   const fs::path first = temporary_ / "first", second = temporary_ / "second";
   for (const auto& [out, names] :
