@@ -251,7 +251,7 @@ std::string format_rule_differences(const Report& report) {
              "<p>The levels of the material experiment were chosen by one rule{}. These levels, which a rule "
              "would have kept, were not tested:</p>\n{}",
              report.selection && !report.selection->rule.empty()
-                 ? fmt::format(" (<i>{}</i>)", report.selection->rule)
+                 ? fmt::format(" (<i>{}</i>)", escape_xml(report.selection->rule))
                  : "",
              format_html_table(untested, 99));
 }

@@ -524,6 +524,37 @@ TEST(Report, has_planted_thresholds_beside_those_found_if_they_are_the_sessions)
   EXPECT_TRUE(has(compared, "<tr><td>G0-MS-ind-1k</td><td>C10</td><td>C10</td>"));
 }
 
+// What stands in a log or a selection is text, whatever it looks like.
+TEST(Report, runs_nothing_that_a_log_or_a_selection_brings) {
+  const std::string script = "<script>alert(1)</script>";
+  Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  for (ExperimentEvidence* experiment : {&report.evidence.artifact, &report.evidence.material}) {
+    for (SessionRow& row : experiment->finished) {
+      row.program_version = row.participant = script;
+      for (std::string SessionDigests::*digest :
+           {&SessionDigests::manifest, &SessionDigests::windows, &SessionDigests::selection,
+            &SessionDigests::protocol, &SessionDigests::truth})
+        row.digests.*digest = script;
+    }
+  }
+  for (SubjectsReport* subjects : {&report.artifact_subjects, &report.material_subjects}) {
+    for (SubjectFinding& finding : subjects->sessions) {
+      finding.summary.participant = finding.summary.folder = script;
+      finding.summary.complete = false;
+      finding.summary.abort_reason = script;
+    }
+  }
+  report.selection->rule = report.selection->answers_digest = script;
+  report.warnings = {script};
+  report.folders = {script};
+  report.study.description = script;
+  std::string page = format_page({report});
+  report.selections = {{script, script, script, script}};
+  page += format_page({report});
+  EXPECT_FALSE(has(page, "<script"));
+  EXPECT_TRUE(has(page, "<dt>artifact sessions: program</dt><dd>&lt;script"));
+}
+
 TEST(Report, traces_noise_and_order_effects_too) {
   const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
   const std::string page = format_page({report});
