@@ -461,12 +461,25 @@ TEST_F(Folders, make_a_figure_for_each_illumination_and_one_of_plain_above_norma
   std::vector<std::string> names;
   for (const Figure& figure : figures) names.push_back(figure.name);
   EXPECT_EQ(names, (std::vector<std::string>{"figure-paper-ind", "figure-paper-dir",
-                                             "figure-normalisation-ind", "figure-paper-normalisation"}));
+                                             "figure-normalisation-ind", "figure-paper+normalisation"}));
   EXPECT_EQ(figures[0].panels.size(), 20U);
   EXPECT_EQ(figures[3].width, 4U);
   EXPECT_EQ(figures[3].panels.size(), 8U);
   const std::string text = format_figure(figures[3], Rule::kPaper, FigureFormat::kPdf, "it's.pdf");
   EXPECT_NE(text.find("set output 'it''s.pdf'"), std::string::npos);
+}
+
+// A normalised study of the name of an illumination.
+TEST_F(Folders, make_no_two_figures_of_one_name) {
+  auto reports = load({"n"});
+  Report plain = reports[0];
+  plain.study.name = "main";
+  plain.study.normalise = false;
+  reports[0].study.name = "ind";
+  reports.push_back(std::move(plain));
+  std::vector<std::string> names;
+  for (const Figure& figure : make_figures(reports)) names.push_back(figure.name);
+  EXPECT_THAT(names, testing::UnorderedElementsAre("figure-ind-ind", "figure-main-ind", "figure-main+ind"));
 }
 
 TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {
