@@ -316,6 +316,18 @@ TEST(Report, tells_columns_in_which_nobody_was_asked_about_the_material_apart) {
                    "columns without one nobody was asked about the material"));
 }
 
+TEST(Report, prints_cuts_below_the_tested_levels_and_bounds_where_nobody_was_asked) {
+  const Report below =
+      make_planted_report(answer_column({{4, 12}, {5, 12}, {6, 12}, {7, 1}}, {{7, 14}, {9, 14}, {10, 14}}));
+  EXPECT_TRUE(has(format_page({below}), "<td>&lt; C7 <span class=\"note\">censored_low</span></td>"));
+  EXPECT_TRUE(has(make_report_files({below}).at("thresholds.csv"),
+                  "paper,,censored_low,true,true,C7 C9 C10,,none,C6\n"));
+  const std::string dropped =
+      format_page({make_planted_report(answer_column({{7, 12}, {8, 12}, {9, 12}, {10, 10}}, {}))});
+  EXPECT_TRUE(has(dropped, "<td>&minus;</td><td>&ndash;</td><td>&le; 0."));
+  EXPECT_TRUE(has(dropped, "no level is left free of artifacts</td>"));
+}
+
 TEST(Report, warns_of_a_selection_that_is_missing_or_another_than_the_sessions_used) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
   Report report = make_planted_report(planted);
