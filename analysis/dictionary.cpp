@@ -41,8 +41,14 @@ constexpr DictionaryEntry kDictionary[] = {
     {"thresholds.csv", "cut", "string",
      "artifact: the least clamped level from which on it is free; material: the most clamped one up to which "
      "it is "
-     "unchanged; empty where there is none"},
-    {"thresholds.csv", "status", "string", "cut, censored_low, censored_high, none, untested"},
+     "unchanged; empty where there is none or where it lies below all tested levels"},
+    {"thresholds.csv", "status", "string",
+     "cut; censored_low, artifact: none at any tested level, so that the threshold is at the cut or less "
+     "clamped; material: a change at every tested level, so that it is less clamped than the first of "
+     "tested; "
+     "censored_high: beyond the most clamped tested level; none: artifacts at the most clamped level, or a "
+     "change "
+     "at the least clamped one; untested"},
     {"thresholds.csv", "monotone", "boolean", "whether proportions are monotone over clamp"},
     {"thresholds.csv", "flags_monotone", "boolean", "whether flags are; where false the rule decides"},
     {"thresholds.csv", "tested", "string", "clamp levels with answers"},
@@ -50,10 +56,12 @@ constexpr DictionaryEntry kDictionary[] = {
      "levels that the rule keeps for the material experiment, without answers"},
     {"thresholds.csv", "cut_lower", "string",
      "least clamped end of the 95 % range of cuts when subjects are drawn again; none: no level; one that is "
-     "more clamped than all that were tested: it or more clamped"},
+     "more clamped than all that were tested: it or more clamped. Where material cuts lie below all tested "
+     "levels the range reaches from none up to the level before them"},
     {"thresholds.csv", "cut_upper", "string", "most clamped end of it; none: no level"},
     {"ee.csv", "ee_paper", "boolean",
-     "whether some clamp level is free of artifacts and of the same material"},
+     "whether some clamp level is free of artifacts and of the same material; empty where status is "
+     "untested"},
     {"ee.csv", "ee_isotonic", "boolean", "the same under the rule isotonic"},
     {"ee.csv", "status_paper", "string", "exists, none, untested"},
     {"ee.csv", "green_paper", "string", "equivalent levels"},
@@ -72,8 +80,23 @@ constexpr DictionaryEntry kDictionary[] = {
     {"ee.csv", "bootstrap_paper", "number", "share of resamples of subjects in which EE is true"},
     {"ee.csv", "flips_paper", "integer",
      "subjects, of both experiments, without any one of whom EE is another; one of both is left out of both"},
-    {"ee.csv", "ee70_paper", "string", "exists, none or untested with cells flagged at 70 % correct"},
+    {"ee.csv", "ee70_paper", "string",
+     "exists, none or untested with cells flagged at 70 % correct; a dropped column is untested where that "
+     "cut would leave it a level"},
     {"ee.csv", "ee80_paper", "string", "the same at 80 %"},
+    {"ee.csv", "free_posterior_paper", "number",
+     "of a column with no_candidates: posterior probability, by its artifact answers, that some level is "
+     "free "
+     "of artifacts; EE, of which nobody was asked there, is no more probable"},
+    {"ee.csv", "free_bootstrap_paper", "number",
+     "of such a column: share of resamples of subjects in which some level is free of artifacts"},
+    {"ee.csv", "free_flips_paper", "integer",
+     "of such a column: subjects without any one of whom some level is free of artifacts if none was, or "
+     "none "
+     "if one was"},
+    {"ee.csv", "free_posterior_isotonic", "number", "as free_posterior_paper"},
+    {"ee.csv", "free_bootstrap_isotonic", "number", "as free_bootstrap_paper"},
+    {"ee.csv", "free_flips_isotonic", "integer", "as free_flips_paper"},
     {"ee.csv", "posterior_isotonic", "number", "as posterior_paper"},
     {"ee.csv", "bootstrap_isotonic", "number", "as bootstrap_paper"},
     {"ee.csv", "flips_isotonic", "integer", "as flips_paper"},

@@ -27,6 +27,12 @@ Verdict verdict_of(const RuleFinding& finding, bool dropped) {
                                                                            : Verdict::kNone;
 }
 
+// The selection dropped a column by flags at kFlagPercent: at another cut, where a level would be left,
+// nobody was asked about its material.
+bool is_dropped_at(int percent, const ColumnFinding& column) {
+  return column.dropped && percent == kFlagPercent;
+}
+
 RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bool has_material,
                   int percent) {
   RuleFinding finding;
@@ -44,7 +50,7 @@ RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bo
     if (is_supported(column.artifact[i].count, percent) && is_supported(material, percent))
       finding.supported.push_back(level);
   }
-  finding.verdict = verdict_of(finding, column.dropped);
+  finding.verdict = verdict_of(finding, is_dropped_at(percent, column));
   return finding;
 }
 

@@ -62,6 +62,7 @@ void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
   append(all.answers, part.answers);
   append(all.summaries, part.summaries);
   all.unfinished += part.unfinished;
+  all.unanswered += part.unanswered;
 }
 
 }  // namespace
@@ -88,10 +89,28 @@ SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<S
   const auto unfinished = std::count_if(sessions.begin(), sessions.end(), [&](const SessionRow& session) {
     return session.experiment == Experiment::kArtifact && (!wanted || session.kind == *wanted);
   });
+  const SessionTotals others = count_others(sessions, std::nullopt);
   throw InputError(source, "",
                    wanted ? fmt::format("finished artifact sessions of the kind {}", format_kind(*wanted))
                           : "finished artifact sessions",
-                   fmt::format("none ({} unfinished)", unfinished));
+                   fmt::format("none ({} unfinished{})", unfinished,
+                               others.empty() ? "" : "; finished are " + describe_totals(others)));
+}
+
+SessionTotals count_others(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> kind) {
+  SessionTotals totals;
+  for (const SessionRow& session : sessions) {
+    if (session.complete && session.kind != kind) ++totals[{session.kind, session.experiment}];
+  }
+  return totals;
+}
+
+std::string describe_totals(const SessionTotals& totals) {
+  std::vector<std::string> parts;
+  for (const auto& [of, count] : totals)
+    parts.push_back(fmt::format("{} {} sessions of the kind {}", count, format_experiment(of.second),
+                                format_kind(of.first)));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,
@@ -140,6 +159,7 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
     add_part(all.artifact, parts[i].artifact);
     add_part(all.material, parts[i].material);
     all.withdrawn += parts[i].withdrawn;
+    for (const auto& [of, count] : parts[i].others) all.others[of] += count;
   }
   all.artifact.digest = digest_text(fmt::format("{}", fmt::join(artifact_digests, "\n")));
   all.material.digest = digest_text(fmt::format("{}", fmt::join(material_digests, "\n")));

@@ -1,8 +1,10 @@
 // What a report or a pruning rests on: the finished sessions of one kind, and how many were left out.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "analysis/subjects.h"
@@ -13,18 +15,23 @@ namespace equilux {
 
 /// One experiment, one kind of subjects.
 struct ExperimentEvidence {
-  std::vector<SessionRow> finished;            ///< in order of subject index
-  std::vector<AnswerRow> answers;              ///< of the finished sessions
-  std::int64_t unfinished = 0;                 ///< sessions left out
-  std::string digest;                          ///< digest_answers; of a pool, of its logs' digests, sorted
+  std::vector<SessionRow> finished;  ///< in order of subject index
+  std::vector<AnswerRow> answers;    ///< of the finished sessions
+  std::int64_t unfinished = 0;       ///< sessions left out
+  std::int64_t unanswered = 0;       ///< main trials of finished sessions without an answer, left out
+  std::string digest;                ///< digest_answers; of a pool, of its logs' digests, sorted
   std::vector<SessionSummary> summaries = {};  ///< of finished and unfinished sessions
 };
+
+/// Finished sessions, counted.
+using SessionTotals = std::map<std::pair<SubjectKind, Experiment>, std::int64_t>;
 
 struct Evidence {
   SubjectKind kind = SubjectKind::kPerson;
   ExperimentEvidence artifact;
   ExperimentEvidence material;
   std::int64_t withdrawn = 0;  ///< tombstones: a participant of several logs has one in each
+  SessionTotals others = {};   ///< finished sessions of other kinds, which are not counted
 
   const ExperimentEvidence& of(Experiment experiment) const {
     return experiment == Experiment::kArtifact ? artifact : material;
@@ -36,7 +43,13 @@ struct Evidence {
 SubjectKind choose_kind(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> wanted,
                         const std::string& source);
 
-/// The same, empty where there is none.
+/// Finished sessions of every kind but `kind`.
+SessionTotals count_others(const std::vector<SessionRow>& sessions, std::optional<SubjectKind> kind);
+
+/// "14 material sessions of the kind person"
+std::string describe_totals(const SessionTotals& totals);
+
+/// The same as choose_kind, empty where there is none.
 std::optional<SubjectKind> find_kind(const std::vector<SessionRow>& sessions,
                                      std::optional<SubjectKind> wanted, const std::string& source);
 

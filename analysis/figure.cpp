@@ -55,7 +55,8 @@ Figure make_grid(const Report& report, Illumination illumination) {
 
 // Objects of the normalised study that the plain one has too: a row each.
 std::optional<Figure> make_normalised(const Report& plain, const Report& normalised) {
-  Figure figure{fmt::format("figure-{}-{}", plain.study.name, normalised.study.name),
+  // No study's name has a plus: the name of no grid comes out the same.
+  Figure figure{fmt::format("figure-{}+{}", plain.study.name, normalised.study.name),
                 fmt::format("{} and {}", plain.study.name, normalised.study.name),
                 0,
                 {}};

@@ -129,6 +129,20 @@ std::string open_svg(int width, int height, double scale, const std::string& lab
       width, height, width * scale, height * scale, escape_xml(label));
 }
 
+std::string describe_cut(const char* name, const Threshold& threshold) {
+  return fmt::format("{} cut {} ({})", name, format_cut(threshold), format_status(threshold.status));
+}
+
+// The count below a column, with its cuts where the pointer rests.
+std::string draw_count(const ColumnFinding& column, const RuleFinding& finding, double x, double y,
+                       const char* mark) {
+  const std::string title =
+      fmt::format("{}: {}; {}", format_key(column.column), describe_cut("artifact", finding.artifact),
+                  describe_cut("material", finding.material));
+  return fmt::format("<g><title>{}</title>\n", escape_xml(title)) +
+         draw_text(x, y, "middle", 9, format_vpl_count(column.column.vpl_count) + mark) + "</g>\n";
+}
+
 bool has_reversed_flags(const RuleFinding& finding) {
   return !finding.artifact.flags_monotone || !finding.material.flags_monotone;
 }
@@ -153,9 +167,8 @@ std::string draw_graph(const Object& object, const std::vector<const ColumnFindi
       const double y = kTop + kCellHeight * static_cast<double>(first.size() - 1 - i);
       svg += draw_cell(prefix, *columns[c], finding, i, x, y);
     }
-    svg +=
-        draw_text(x + kCellWidth / 2.0, kTop + plot_height + 12, "middle", 9,
-                  format_vpl_count(columns[c]->column.vpl_count) + (has_reversed_flags(finding) ? "*" : ""));
+    svg += draw_count(*columns[c], finding, x + kCellWidth / 2.0, kTop + plot_height + 12,
+                      has_reversed_flags(finding) ? "*" : "");
   }
   svg += fmt::format(
       R"(<rect x="{}" y="{}" width="{}" height="{}" fill="none" stroke="#6b6b6b" stroke-width="0.8"/>)"

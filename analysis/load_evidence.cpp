@@ -28,11 +28,17 @@ SessionSummary summarise(const LogReading& reading, const SessionRow& session,
   return summary;
 }
 
-void append_answers(std::vector<AnswerRow>& answers, const SessionRow& session,
+// A finished session has an answer to every trial, unless somebody changed its log.
+void append_answers(ExperimentEvidence& evidence, const SessionRow& session,
                     const std::vector<TrialRow>& trials) {
   for (const TrialRow& trial : trials) {
-    if (trial.phase == Phase::kMain)
-      answers.push_back({session.id, session.subject_index, trial.cell, trial.answer == trial.test_side});
+    if (trial.phase != Phase::kMain) continue;
+    if (!trial.answer) {
+      ++evidence.unanswered;
+      continue;
+    }
+    evidence.answers.push_back(
+        {session.id, session.subject_index, trial.cell, *trial.answer == trial.test_side});
   }
 }
 
@@ -44,7 +50,7 @@ ExperimentEvidence load_experiment(const LogReading& reading, SubjectKind kind, 
     if (session.kind != kind || session.experiment != experiment) continue;
     const auto trials = reading.log.load_brief_trials(session.id);
     if (evidence.answers.empty()) evidence.answers.reserve(trials.size() * evidence.finished.size());
-    if (session.complete) append_answers(evidence.answers, session, trials);
+    if (session.complete) append_answers(evidence, session, trials);
     evidence.summaries.push_back(summarise(reading, session, trials));
   }
   evidence.digest = digest_answers(evidence.answers);
@@ -70,6 +76,7 @@ struct FolderLog {
     evidence.artifact = load_experiment(reading, kind, Experiment::kArtifact, study);
     evidence.material = load_experiment(reading, kind, Experiment::kMaterial, study);
     evidence.withdrawn = log.count_withdrawn();
+    evidence.others = count_others(reading.sessions, kind);
     return evidence;
   }
 

@@ -1,5 +1,8 @@
 // equilux-analyze: parse, call, report, exit code.
 #include <CLI/CLI.hpp>
+#include <charconv>
+#include <fmt/format.h>
+#include <limits>
 
 #include "analysis/program.h"
 #include "base/program.h"
@@ -20,6 +23,31 @@ struct Options {
   bool no_verify = false;
   bool force = false;
 };
+
+template <typename T>
+bool is_within(const std::string& text, T least, T most) {
+  T value{};
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, value);
+  return error == std::errc() && end == last && value >= least && value <= most;
+}
+
+// CLI::Range takes a whole number that is too large for the largest one, and lets pass what is not a number.
+template <typename T>
+CLI::Validator check_within(T least, T most) {
+  const std::string range = fmt::format("{} to {}", least, most);
+  return CLI::Validator(
+      [=](std::string& text) {
+        return is_within(text, least, most) ? std::string()
+                                            : fmt::format("Value {} not in range {}", text, range);
+      },
+      range);
+}
+
+// What report.json, whose numbers are signed, can hold.
+CLI::Validator check_seed() {
+  return check_within(std::int64_t{0}, std::numeric_limits<std::int64_t>::max());
+}
 
 void add_options(CLI::App* command, Options& options) {
   command->add_option("--rule", options.rule, "What decides where a column is not monotone")
@@ -59,6 +87,7 @@ void add_report(CLI::App& app, Options& options) {
   add_options(report, options);
   report->add_option("--out", options.out, "Folder of the report (default: report/ in the first DIR)");
   report->add_option("--seed", options.uncertainty.seed, "Seed of draws and resamples")
+      ->check(check_seed())
       ->capture_default_str();
   report->add_option("--draws", options.uncertainty.posterior_draws, "Posterior draws")
       ->check(CLI::Range(1, 1000000))
@@ -99,9 +128,11 @@ void add_plan(CLI::App& app, Options& options) {
       ->capture_default_str();
   plan->add_option("--slope", options.plan.slope,
                    "Spread of the psychometric function in clamp levels; 0: a step")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(check_within(0.0, 10.0))
       ->capture_default_str();
-  plan->add_option("--seed", options.plan.seed, "Seed of the simulation")->capture_default_str();
+  plan->add_option("--seed", options.plan.seed, "Seed of the simulation")
+      ->check(check_seed())
+      ->capture_default_str();
   plan->add_option("--out", options.out, "Folder of plan.csv, plan.svg and plan.pdf (default: none)");
   plan->footer("Example:\n  equilux-analyze plan protocols/pocket.json --subjects 8,12,16,24");
 }

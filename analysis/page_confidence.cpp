@@ -33,10 +33,18 @@ std::string format_end(int place, const std::vector<int>& tested, Experiment exp
   return place >= tested.back() && place < study.clamp_levels.back() ? "&ge; " + level : level;
 }
 
+// "&lt; C7 to C9" where a material cut may lie below all tested levels.
 std::string format_range(const std::optional<CutRange>& range, const ColumnCounts& counts,
                          Experiment experiment, const Study& study) {
   if (!range) return kDash;
   const std::vector<int> tested = find_tested(counts);
+  if (experiment == Experiment::kMaterial && !tested.empty() && range->lower < tested.front() &&
+      tested.front() > study.clamp_levels.front()) {
+    const std::string below = "&lt; " + format_clamp(tested.front());
+    return range->upper < tested.front()
+               ? below
+               : fmt::format("{} to {}", below, format_end(range->upper, tested, experiment, study));
+  }
   const std::string lower = format_end(range->lower, tested, experiment, study),
                     upper = format_end(range->upper, tested, experiment, study);
   return range->lower == range->upper ? lower : fmt::format("{} to {}", lower, upper);
@@ -94,15 +102,23 @@ const char* explain_status(UncertaintyStatus status) {
     case UncertaintyStatus::kOneSubject:
       return "one subject: nobody to draw again";
     case UncertaintyStatus::kNoCandidates:
-      return "no level is free of artifacts";
+      return "no level is left free of artifacts";
   }
   return "";
 }
 
+// The share, or a bound of it, rounded up: that of a level that is free of artifacts where nobody was asked
+// about the material.
+std::string format_bounded(const std::optional<double>& value, const std::optional<double>& bound) {
+  if (value || !bound) return format_share(value);
+  return fmt::format("&le; {:.2f}", std::ceil(*bound * 100) / 100);
+}
+
 // The subject numbers of a column whose leaving out turns the verdict, both experiments.
 std::string count_flips(const ColumnUncertainty& column, Rule rule) {
-  if (column.status != UncertaintyStatus::kEstimated) return kDash;
   const RuleUncertainty& under = column.under(rule);
+  if (under.free_bootstrap) return fmt::format("{}", under.free_flips.size());
+  if (column.status != UncertaintyStatus::kEstimated) return kDash;
   return fmt::format("{}", under.artifact_flips.size() + under.material_flips.size());
 }
 
@@ -113,8 +129,8 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
   return {escape_xml(format_key(finding.column)),
           mark_verdict(finding.under(report.rule)),
           format_green(finding.under(report.rule)),
-          format_share(under.posterior),
-          format_share(under.bootstrap),
+          format_bounded(under.posterior, under.free_posterior),
+          format_bounded(under.bootstrap, under.free_bootstrap),
           count_flips(column, report.rule),
           mark_verdict(report.at_other_percents[0][c].under(report.rule)),
           mark_verdict(report.at_other_percents[1][c].under(report.rule)),
@@ -274,9 +290,17 @@ std::string format_uncertainty(const Report& report) {
              "each experiment, in which it exists; the cuts are 95&nbsp;% ranges over them, under paper "
              "widened to those under isotonic, and "
              "&ldquo;none&rdquo; stands for no level, &ldquo;&ge; C8&rdquo; for C8 and more clamped, not "
-             "tested, &ldquo;&le;&rdquo; for less clamped; censored_low and censored_high: the cut itself "
+             "tested, &ldquo;&le;&rdquo; for less clamped, &ldquo;&lt; C7&rdquo; for a material cut below "
+             "C7, the "
+             "first "
+             "level tested, where that looks changed already; censored_low and censored_high: the cut itself "
              "lies beyond the tested levels. Turned by one: subjects without any one of whom the verdict "
-             "is another, by name in <code>subjects.csv</code>.{} Seed {}. From <code>ee.csv</code> and "
+             "is another, by name in <code>subjects.csv</code>. Where no level is left free of artifacts "
+             "nobody was "
+             "asked about the material: &le; is the share in which some level is free, more cannot be "
+             "equivalent, "
+             "and turned by one counts the subjects without whom that is another.{} Seed {}. From "
+             "<code>ee.csv</code> and "
              "<code>thresholds.csv</code>.</p>\n"
              "<p class=\"note\">Supported is said of one level: in each experiment by itself, one-sided at "
              "95&nbsp;%, "
@@ -311,7 +335,8 @@ std::string format_rule_certainty(const Report& report) {
       const bool stands = is_shared(finding, under) && !rests_on_untested(report.findings[c], rule);
       firm.insert(stands);
       row.insert(row.end(), {std::string(mark_verdict(finding)) + (stands ? " firm" : ""),
-                             format_share(under.posterior), format_share(under.bootstrap)});
+                             format_bounded(under.posterior, under.free_posterior),
+                             format_bounded(under.bootstrap, under.free_bootstrap)});
     }
     differ += firm.size() > 1 ? 1 : 0;
     table.rows.push_back(std::move(row));
@@ -352,7 +377,9 @@ std::string format_trends(const Report& report) {
          "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
          "trends; the least is what verdicts all at one end, along every trend, would give. p speaks of the "
          "columns of this study, the interval of its subjects, neither of other scenes. The interval is the "
-         "effect give or take the farther end of what subjects drawn again give. A trend "
+         "effect give or take the farther end of what subjects drawn again give; a column that was dropped, "
+         "and in "
+         "such a sample would not be, counts as what takes the effect farther. A trend "
          "holds iff p by Holm is 0.05 or less and "
          "the "
          "interval leaves out 0. From <code>trends.csv</code>.</p>\n";
@@ -364,6 +391,7 @@ std::string format_tracing(const std::vector<Report>& reports) {
       {"k and n of a cell", "cells.csv",
        "<code>SELECT cell, sum(answer = test_side), count(*) FROM trial JOIN session ON session.id = session "
        "WHERE kind = KIND AND experiment = EXPERIMENT AND complete = 1 AND phase = 'main' "
+       "AND answer IS NOT NULL "
        "GROUP BY cell</code> in each log; added up over logs"},
       {"intervals, p, q, posterior", "cells.csv",
        "k and n alone; q from the p of all tested cells of the experiment"},

@@ -175,9 +175,10 @@ auto collect(const ExperimentEvidence& evidence, const Get& get) {
 void add_sessions(DefinitionList& list, const ExperimentEvidence& evidence, Experiment experiment) {
   if (evidence.finished.empty()) return;
   const std::string name = format_experiment(experiment) + " sessions";
-  list.add(name + ": program",
-           fmt::format("{}", fmt::join(collect(evidence, [](const auto& row) { return row.program_version; }),
-                                       ", ")));
+  list.add(
+      name + ": program",
+      escape_xml(fmt::format(
+          "{}", fmt::join(collect(evidence, [](const auto& row) { return row.program_version; }), ", "))));
   list.add(name + ": seeds",
            fmt::format("{}", fmt::join(collect(evidence, [](const auto& row) { return row.seed; }), ", ")));
   list.add_digests(name + ": answers", {evidence.digest});
@@ -401,13 +402,13 @@ std::string format_provenance(const Report& report) {
   if (report.windows) list.add_digests("windows in the folder", {report.windows->digest});
   for (const FolderSelection& selection : report.selections) {
     const std::string of = fmt::format("selection of {}", escape_xml(selection.folder));
-    list.add(of, fmt::format("rule {}", selection.rule));
+    list.add(of, fmt::format("rule {}", escape_xml(selection.rule)));
     list.add_digests(of + ": digest", {selection.digest});
     list.add_digests(of + ": made from answers", {selection.answers_digest});
   }
   if (report.selection && report.selections.empty()) {
-    list.add("selection",
-             fmt::format("rule {}, kind {}", report.selection->rule, format_kind(report.selection->kind)));
+    list.add("selection", fmt::format("rule {}, kind {}", escape_xml(report.selection->rule),
+                                      format_kind(report.selection->kind)));
     list.add_digests("selection digest", {digest_selection(*report.selection)});
     list.add_digests("selection made from answers", {report.selection->answers_digest});
   }

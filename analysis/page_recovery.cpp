@@ -13,18 +13,27 @@ namespace {
 // as it did come out. Places on the scale; beyond it: no level.
 struct Recovered {
   int planted = 0;
-  int best = 0;
-  int found = 0;
-  bool tested = false;
+  Threshold best;
+  Threshold found;
+  int none = 0;  // the place beyond the scale
+
+  bool is_tested() const { return found.status != CutStatus::kUntested; }
+  // In levels; a cut below the tested ones is taken for the level before them.
+  int find_distance() const { return std::abs(place_of(best) - place_of(found)); }
+
+ private:
+  int place_of(const Threshold& threshold) const {
+    return threshold.cut.value_or(threshold.below ? *threshold.below - 1 : none);
+  }
 };
 
 struct Recoveries {
   std::size_t tested = 0, exact = 0, near = 0;
 
   void add(const Recovered& one) {
-    tested += one.tested ? 1 : 0;
-    exact += one.tested && one.best == one.found ? 1 : 0;
-    near += one.tested && std::abs(one.best - one.found) <= 1 ? 1 : 0;
+    tested += one.is_tested() ? 1 : 0;
+    exact += one.is_tested() && one.find_distance() == 0 ? 1 : 0;
+    near += one.is_tested() && one.find_distance() <= 1 ? 1 : 0;
   }
 };
 
@@ -32,25 +41,26 @@ Recovered recover_artifact(const ColumnFinding& finding, const PlantedColumn& pl
   ColumnCounts counts = finding.artifact;
   for (LevelCount& level : counts)
     level.count.k = level.level < planted.artifact_free_from ? level.count.n : 0;
-  const Threshold& found = finding.under(rule).artifact;
-  return {planted.artifact_free_from,
-          find_cut(counts, Experiment::kArtifact, rule).cut.value_or(kClampLevelCount),
-          found.cut.value_or(kClampLevelCount), found.status != CutStatus::kUntested};
+  return {planted.artifact_free_from, find_cut(counts, Experiment::kArtifact, rule),
+          finding.under(rule).artifact, kClampLevelCount};
 }
 
 Recovered recover_material(const ColumnFinding& finding, const PlantedColumn& planted, Rule rule) {
   ColumnCounts counts = finding.material;
   for (LevelCount& level : counts) level.count.k = level.level > planted.material_same_to ? level.count.n : 0;
-  const Threshold& found = finding.under(rule).material;
-  return {planted.material_same_to, find_cut(counts, Experiment::kMaterial, rule).cut.value_or(-1),
-          found.cut.value_or(-1), found.status != CutStatus::kUntested};
+  return {planted.material_same_to, find_cut(counts, Experiment::kMaterial, rule),
+          finding.under(rule).material, -1};
 }
 
-std::string format_found(const Recovered& one, const Study& study) {
-  if (!one.tested) return "not tested";
-  const std::string found = format_place(one.found, study);
-  return one.found == one.best ? found
-                               : fmt::format("<b>{}</b> for {}", found, format_place(one.best, study));
+std::string format_cut_or_none(const Threshold& threshold) {
+  const std::string cut = format_cut(threshold);
+  return cut == "-" ? "none" : escape_xml(cut);
+}
+
+std::string format_found(const Recovered& one) {
+  if (!one.is_tested()) return "not tested";
+  const std::string found = format_cut_or_none(one.found), best = format_cut_or_none(one.best);
+  return found == best ? found : fmt::format("<b>{}</b> for {}", found, best);
 }
 
 bool has_own_truth(const Report& report) {
@@ -89,10 +99,10 @@ std::string format_recoveries(const Report& report) {
     material.add(same_to);
     verdicts += under.verdict != Verdict::kUntested ? 1 : 0;
     right += under.verdict == (exists ? Verdict::kExists : Verdict::kNone) ? 1 : 0;
-    table.rows.push_back(
-        {escape_xml(format_key(finding.column)), format_place(free_from.planted, report.study),
-         format_found(free_from, report.study), format_place(same_to.planted, report.study),
-         format_found(same_to, report.study), format_exists(exists), format_found_verdict(under.verdict)});
+    table.rows.push_back({escape_xml(format_key(finding.column)),
+                          format_place(free_from.planted, report.study), format_found(free_from),
+                          format_place(same_to.planted, report.study), format_found(same_to),
+                          format_exists(exists), format_found_verdict(under.verdict)});
   }
   return fmt::format(
              "<p>{}{}EE: {} of {} as planted. Perfect answers, of subjects who see just what "

@@ -89,9 +89,9 @@ std::string format_counts(const ColumnCounts& counts) {
   return text;
 }
 
-std::string format_cut(const Threshold& threshold) {
-  return fmt::format("{} <span class=\"note\">{}</span>",
-                     threshold.cut ? format_clamp(*threshold.cut) : "&ndash;",
+std::string format_cut_and_status(const Threshold& threshold) {
+  const std::string cut = format_cut(threshold);
+  return fmt::format("{} <span class=\"note\">{}</span>", cut == "-" ? "&ndash;" : escape_xml(cut),
                      format_status(threshold.status));
 }
 
@@ -110,7 +110,7 @@ Table collect_columns(const Report& report, const Wanted& wanted) {
       table.rows.push_back(
           {escape_xml(format_key(finding.column)), format_experiment(experiment),
            format_counts(experiment == Experiment::kArtifact ? finding.artifact : finding.material),
-           format_cut(paper), format_cut(isotonic)});
+           format_cut_and_status(paper), format_cut_and_status(isotonic)});
     }
   }
   return table;
@@ -123,7 +123,7 @@ Table collect_untested(const Report& report) {
       const RuleFinding& under = finding.under(rule);
       if (under.untested.empty()) continue;
       table.rows.push_back({escape_xml(format_key(finding.column)), format_rule(rule),
-                            format_cut(under.artifact), format_levels(under.untested)});
+                            format_cut_and_status(under.artifact), format_levels(under.untested)});
     }
   }
   return table;
@@ -251,7 +251,7 @@ std::string format_rule_differences(const Report& report) {
              "<p>The levels of the material experiment were chosen by one rule{}. These levels, which a rule "
              "would have kept, were not tested:</p>\n{}",
              report.selection && !report.selection->rule.empty()
-                 ? fmt::format(" (<i>{}</i>)", report.selection->rule)
+                 ? fmt::format(" (<i>{}</i>)", escape_xml(report.selection->rule))
                  : "",
              format_html_table(untested, 99));
 }

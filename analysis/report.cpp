@@ -214,6 +214,19 @@ void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experi
                                         evidence.unfinished, format_experiment(experiment), answered));
 }
 
+void warn_of_unanswered(Report& report, const ExperimentEvidence& evidence, Experiment experiment) {
+  if (evidence.unanswered == 0) return;
+  report.warnings.push_back(
+      fmt::format("{} trials of finished {} sessions have no answer: they are left out.", evidence.unanswered,
+                  format_experiment(experiment)));
+}
+
+void warn_of_others(Report& report) {
+  if (report.evidence.others.empty()) return;
+  report.warnings.push_back(fmt::format("Finished sessions of other kinds are not counted here: {}.",
+                                        describe_totals(report.evidence.others)));
+}
+
 void warn_of_withdrawn(Report& report) {
   if (report.evidence.withdrawn == 0 || report.evidence.kind != SubjectKind::kPerson) return;
   report.warnings.push_back(
@@ -386,6 +399,9 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   warn_of_uneven_cells(report, report.material, Experiment::kMaterial);
   warn_of_left_out(report, report.evidence.artifact, Experiment::kArtifact);
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
+  warn_of_unanswered(report, report.evidence.artifact, Experiment::kArtifact);
+  warn_of_unanswered(report, report.evidence.material, Experiment::kMaterial);
+  warn_of_others(report);
   warn_of_withdrawn(report);
   warn_of_protocols(report);
   return report;

@@ -90,6 +90,8 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
                      : ""});
     for (const auto& findings : report.at_other_percents)
       row.push_back(format_verdict(findings[c].under(rule).verdict));
+    append(row, {format_number(under.free_posterior), format_number(under.free_bootstrap),
+                 under.free_bootstrap ? format_int(std::ssize(under.free_flips)) : ""});
   }
   return row;
 }
@@ -97,7 +99,8 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
 Table make_ee(const Report& report) {
   Row columns{"uncertainty"};
   for (const Rule rule : kRules) {
-    for (const char* name : {"posterior", "bootstrap", "flips", "ee70", "ee80"})
+    for (const char* name : {"posterior", "bootstrap", "flips", "ee70", "ee80", "free_posterior",
+                             "free_bootstrap", "free_flips"})
       columns.push_back(fmt::format("{}_{}", name, format_rule(rule)));
   }
   std::vector<Row> more;

@@ -2,6 +2,7 @@
 #include "analysis/response_matrix.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -92,9 +93,11 @@ std::size_t find_row(ResponseMatrix& matrix, std::map<std::string, std::size_t>&
   return row;
 }
 
-void add_to(std::uint8_t& sum, std::uint8_t more) {
-  EQ_CHECK(sum + more <= 255, sum, more);
-  sum = static_cast<std::uint8_t>(sum + more);
+void add_to(std::uint16_t& sum, std::uint16_t more, const std::string& code) {
+  constexpr int kMost = std::numeric_limits<std::uint16_t>::max();
+  if (sum + more > kMost)
+    throw InputError("answers", code, fmt::format("at most {} sessions of a participant", kMost), "more");
+  sum = static_cast<std::uint16_t>(sum + more);
 }
 
 }  // namespace
@@ -124,11 +127,11 @@ ResponseMatrix group_by_person(const ResponseMatrix& sessions,
   std::map<std::string, std::size_t> rows;
   for (std::size_t s = 0; s < sessions.subjects(); ++s) {
     const auto code = codes.find(sessions.sessions[s]);
-    const std::size_t row =
-        find_row(grouped, rows, code == codes.end() ? "" : code->second, sessions.sessions[s]);
+    const std::string name = code == codes.end() ? "" : code->second;
+    const std::size_t row = find_row(grouped, rows, name, sessions.sessions[s]);
     for (std::size_t c = 0; c < width; ++c) {
-      add_to(grouped.asked[row * width + c], sessions.asked[s * width + c]);
-      add_to(grouped.correct[row * width + c], sessions.correct[s * width + c]);
+      add_to(grouped.asked[row * width + c], sessions.asked[s * width + c], name);
+      add_to(grouped.correct[row * width + c], sessions.correct[s * width + c], name);
     }
   }
   sort_rows(grouped);
@@ -142,8 +145,8 @@ std::vector<Count> count_weighted(const ResponseMatrix& matrix, const std::vecto
   for (std::size_t s = 0; s < weights.size(); ++s) {
     const std::uint32_t weight = weights[s];
     if (weight == 0) continue;
-    const std::uint8_t* asked_row = matrix.asked.data() + s * width;
-    const std::uint8_t* correct_row = matrix.correct.data() + s * width;
+    const std::uint16_t* asked_row = matrix.asked.data() + s * width;
+    const std::uint16_t* correct_row = matrix.correct.data() + s * width;
     for (std::size_t c = 0; c < width; ++c) asked[c] += weight * asked_row[c];
     for (std::size_t c = 0; c < width; ++c) correct[c] += weight * correct_row[c];
   }

@@ -18,9 +18,9 @@ struct ResponseMatrix {
       sessions;                      ///< AnswerRow::session of each subject; of a person's several the first
   std::vector<std::string> persons;  ///< code of each subject; empty where it is not known
   /// shape: subjects x cells, row by row. How often the subject was asked, and how often it was correct: 0 or
-  /// 1 in a session.
-  std::vector<std::uint8_t> asked;
-  std::vector<std::uint8_t> correct;
+  /// 1 in a session. Narrow, since resampling reads all of it again and again.
+  std::vector<std::uint16_t> asked;
+  std::vector<std::uint16_t> correct;
 
   std::size_t subjects() const { return sessions.size(); }
 };
@@ -29,7 +29,8 @@ struct ResponseMatrix {
 ResponseMatrix make_response_matrix(const std::vector<AnswerRow>& answers);
 
 /// A subject for each person: sessions of one code, as pooled logs may have them, are added up, since they
-/// are not independent. `codes` names sessions; one without a code is a person of its own.
+/// are not independent. `codes` names sessions; one without a code is a person of its own. errors: InputError
+/// for a code that answered a cell more than 65,535 times.
 ResponseMatrix group_by_person(const ResponseMatrix& sessions,
                                const std::map<std::int64_t, std::string>& codes);
 

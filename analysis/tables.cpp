@@ -28,6 +28,10 @@ Row join(Row row, const Row& more) {
 
 std::string format_flag(bool flag) { return flag ? "true" : "false"; }
 
+std::string format_exists(Verdict verdict) {
+  return verdict == Verdict::kUntested ? "" : format_flag(verdict == Verdict::kExists);
+}
+
 Row cell_row(Experiment experiment, const Cell& cell, const Count& count) {
   std::optional<double> proportion;
   if (count.n > 0) proportion = static_cast<double>(count.k) / static_cast<double>(count.n);
@@ -133,8 +137,7 @@ Table make_ee_table(const std::vector<ColumnFinding>& findings) {
   table.columns.push_back("dropped");
   for (const ColumnFinding& finding : findings) {
     Row row = key_fields(finding.column);
-    for (const Rule rule : kRules)
-      row.push_back(format_flag(finding.under(rule).verdict == Verdict::kExists));
+    for (const Rule rule : kRules) row.push_back(format_exists(finding.under(rule).verdict));
     for (const Rule rule : kRules) {
       const RuleFinding& under = finding.under(rule);
       row = join(row,

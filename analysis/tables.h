@@ -22,8 +22,8 @@ Table make_cells_table(const Study& study, const Tally& artifact, const Tally& m
 Table make_thresholds_table(const std::vector<ColumnFinding>& findings);
 
 /// ee.csv: a row for each geometry, material, illumination and VPL count. ee_paper, ee_isotonic: true iff a
-/// clamp level is artifact-free and unchanged; then for each rule status (exists, none, untested), green and
-/// supported levels; dropped: the selection kept no level.
+/// clamp level is artifact-free and unchanged, empty where that is untested; then for each rule status
+/// (exists, none, untested), green and supported levels; dropped: the selection kept no level.
 Table make_ee_table(const std::vector<ColumnFinding>& findings);
 
 /// The EE table as text: for each illumination rows of geometries, columns of materials, a mark for each VPL

@@ -73,7 +73,8 @@ Threshold cut_artifacts(const ColumnCounts& counts, int percent) {
 }
 
 // Unchanged from the first tested level to the last tested one before the first changed; changed from there
-// on. An untested level is unchanged only between two unchanged tested ones.
+// on. An untested level is unchanged only between two unchanged tested ones. Where the first tested level has
+// changed, nothing is known of those below it.
 Threshold cut_material(const ColumnCounts& counts, int percent) {
   Threshold threshold;
   threshold.states.assign(counts.size(), LevelState::kUnknown);
@@ -82,8 +83,11 @@ Threshold cut_material(const ColumnCounts& counts, int percent) {
   const auto changed = std::find_if(tested.begin(), tested.end(),
                                     [&](std::size_t i) { return is_flagged(counts[i].count, percent); });
   if (changed != tested.end()) fill_states(threshold, *changed, counts.size(), LevelState::kDifferent);
-  threshold.status = CutStatus::kNone;
-  if (changed == tested.begin()) return threshold;
+  if (changed == tested.begin()) {
+    threshold.status = tested.front() == 0 ? CutStatus::kNone : CutStatus::kCensoredLow;
+    if (tested.front() > 0) threshold.below = counts[tested.front()].level;
+    return threshold;
+  }
   const std::size_t last_same = *std::prev(changed);
   fill_states(threshold, tested.front(), last_same + 1, LevelState::kSame);
   threshold.cut = counts[last_same].level;
@@ -116,6 +120,11 @@ std::string format_status(CutStatus status) {
       break;
   }
   return "untested";
+}
+
+std::string format_cut(const Threshold& threshold) {
+  if (threshold.cut) return format_clamp(*threshold.cut);
+  return threshold.below ? "< " + format_clamp(*threshold.below) : "-";
 }
 
 ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment experiment) {

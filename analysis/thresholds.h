@@ -19,10 +19,11 @@ enum class Rule { kPaper, kIsotonic };
 inline constexpr Rule kRules[] = {Rule::kPaper, Rule::kIsotonic};
 
 enum class CutStatus {
-  kCut,           ///< found between two tested levels
-  kCensoredLow,   ///< no tested level has artifacts: the threshold is at the first of them or less clamped
+  kCut,          ///< found between two tested levels
+  kCensoredLow,  ///< no tested level has artifacts: the threshold is at the first of them or less clamped; or
+                 ///< all have changed: it is less clamped than the first of them
   kCensoredHigh,  ///< artifacts still at the most clamped tested level, or no change: it lies beyond
-  kNone,          ///< no level is artifact-free, or none unchanged
+  kNone,          ///< artifacts at the study's most clamped level, or a change at its least clamped one
   kUntested       ///< no answers
 };
 
@@ -37,6 +38,8 @@ struct Threshold {
   /// Artifact: the least clamped level from which on the column is artifact-free. Material: the most clamped
   /// level up to which it is unchanged.
   std::optional<int> cut;
+  /// The level that a material threshold lies below, where it is censored low: there is no cut then.
+  std::optional<int> below;
   CutStatus status = CutStatus::kUntested;
   bool monotone = true;            ///< the proportions of tested levels, as counted
   bool flags_monotone = true;      ///< their flags: where false the rule decides
@@ -46,6 +49,9 @@ struct Threshold {
 std::string format_rule(Rule rule);
 Rule parse_rule(std::string_view text, std::string_view source, std::string_view place = "");
 std::string format_status(CutStatus status);
+
+/// "C4"; "< C7" of a material threshold that lies below all tested levels; "-" where there is none.
+std::string format_cut(const Threshold& threshold);
 
 /// Proportions made monotone: each tested level gets the summed counts of its block. Artifacts fall with
 /// clamp, material changes rise. Untested levels stay untested. source: Barlow et al. 1972, algorithm PAVA.

@@ -2,6 +2,7 @@
 #include "analysis/trends.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -133,99 +134,137 @@ void ask_illuminations(std::vector<Question>& questions, const Study& study,
       [](Column& column, Illumination value) { column.object.illumination = value; }));
 }
 
-// What is known of EE in the columns of a stratum, those without a verdict left out.
-std::vector<int> find_outcomes(const Places& places, const std::function<Resampled(std::size_t)>& verdict) {
-  std::vector<int> outcomes;
+// EE of a column. Open: a resample would have kept a column that was dropped, and nobody knows its EE.
+enum class Outcome : std::uint8_t { kNone, kExists, kOpen, kUntested };
+
+// What there is of EE in the columns of a stratum, those without a verdict left out.
+std::vector<Outcome> find_outcomes(const Places& places,
+                                   const std::function<Outcome(std::size_t)>& outcome_of) {
+  std::vector<Outcome> outcomes;
   for (const std::size_t place : places) {
-    if (place == kAbsent || verdict(place) == Resampled::kUntested) continue;
-    outcomes.push_back(verdict(place) == Resampled::kExists ? 1 : 0);
+    if (place != kAbsent && outcome_of(place) != Outcome::kUntested) outcomes.push_back(outcome_of(place));
   }
   return outcomes;
 }
 
 struct Sums {
   std::int64_t gained = 0, lost = 0, pairs = 0;
+  std::int64_t least = 0, most = 0;  ///< gained less lost, as open columns turn out
   std::vector<Stratum> strata;
 
-  std::optional<double> effect() const {
-    if (pairs == 0) return std::nullopt;
-    return static_cast<double>(gained - lost) / static_cast<double>(pairs);
-  }
+  double share_of(std::int64_t sum) const { return static_cast<double>(sum) / static_cast<double>(pairs); }
 };
 
-Sums add_up(const Question& question, const std::function<Resampled(std::size_t)>& verdict) {
+void add_pairs(Sums& sums, const std::vector<Outcome>& outcomes) {
+  for (std::size_t j = 1; j < outcomes.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      ++sums.pairs;
+      sums.gained += outcomes[j] == Outcome::kExists && outcomes[i] == Outcome::kNone ? 1 : 0;
+      sums.lost += outcomes[j] == Outcome::kNone && outcomes[i] == Outcome::kExists ? 1 : 0;
+    }
+  }
+}
+
+// Of m columns one with EE adds, to gained less lost, the columns before it less those behind it.
+void add_bounds(Sums& sums, const std::vector<Outcome>& outcomes) {
+  for (std::int64_t i = 0; i < std::ssize(outcomes); ++i) {
+    const Outcome outcome = outcomes[static_cast<std::size_t>(i)];
+    if (outcome == Outcome::kNone) continue;
+    const std::int64_t added = 2 * i - (std::ssize(outcomes) - 1);
+    sums.least += outcome == Outcome::kExists ? added : std::min<std::int64_t>(added, 0);
+    sums.most += outcome == Outcome::kExists ? added : std::max<std::int64_t>(added, 0);
+  }
+}
+
+Sums add_up(const Question& question, const std::function<Outcome(std::size_t)>& outcome_of) {
   Sums sums;
   for (const Places& places : question.strata) {
-    const std::vector<int> outcomes = find_outcomes(places, verdict);
+    const std::vector<Outcome> outcomes = find_outcomes(places, outcome_of);
     if (outcomes.size() < 2) continue;
     sums.strata.push_back({static_cast<int>(outcomes.size()),
-                           static_cast<int>(std::count(outcomes.begin(), outcomes.end(), 1))});
-    for (std::size_t j = 1; j < outcomes.size(); ++j) {
-      for (std::size_t i = 0; i < j; ++i) {
-        ++sums.pairs;
-        sums.gained += outcomes[j] > outcomes[i] ? 1 : 0;
-        sums.lost += outcomes[j] < outcomes[i] ? 1 : 0;
-      }
-    }
+                           static_cast<int>(std::count(outcomes.begin(), outcomes.end(), Outcome::kExists))});
+    add_pairs(sums, outcomes);
+    add_bounds(sums, outcomes);
   }
   return sums;
 }
 
 // EE of every resample, and of how many subjects they are. shape: resamples x columns, row by row.
 struct Redrawn {
-  std::vector<Resampled> verdicts;
+  std::vector<Outcome> outcomes;
   std::size_t subjects = 0;
 };
 
-std::vector<double> find_effects(const Question& question, const Redrawn& redrawn, std::size_t columns) {
-  std::vector<double> effects;
-  for (std::size_t row = 0; columns > 0 && row < redrawn.verdicts.size(); row += columns) {
-    const auto effect =
-        add_up(question, [&](std::size_t place) { return redrawn.verdicts[row + place]; }).effect();
-    if (effect) effects.push_back(*effect);
+// The least and the greatest effect of each resample, sorted each by itself; equal where nothing is open.
+struct Effects {
+  std::vector<double> least, most;
+};
+
+Effects find_effects(const Question& question, const Redrawn& redrawn, std::size_t columns) {
+  Effects effects;
+  for (std::size_t row = 0; columns > 0 && row < redrawn.outcomes.size(); row += columns) {
+    const Sums sums = add_up(question, [&](std::size_t place) { return redrawn.outcomes[row + place]; });
+    if (sums.pairs == 0) continue;
+    effects.least.push_back(sums.share_of(sums.least));
+    effects.most.push_back(sums.share_of(sums.most));
   }
-  std::sort(effects.begin(), effects.end());
+  std::sort(effects.least.begin(), effects.least.end());
+  std::sort(effects.most.begin(), effects.most.end());
   return effects;
 }
 
 // The estimate give or take the farther end of the resamples. Chance takes EE from a column more often than
 // it gives it, and in a resample once more: effects of resamples lie on one side of the estimate, which is
 // itself on that side of the truth.
-std::optional<Interval> find_effect_interval(double estimate, const std::vector<double>& effects,
-                                             std::size_t subjects) {
-  if (effects.empty()) return std::nullopt;
-  const auto tail =
-      static_cast<std::size_t>(find_bootstrap_tail(subjects) * static_cast<double>(effects.size()));
-  const double reach = std::max(estimate - effects[tail], effects[effects.size() - 1 - tail] - estimate);
+std::optional<Interval> find_effect_interval(double estimate, const Effects& effects, std::size_t subjects) {
+  const std::size_t count = effects.least.size();
+  if (count == 0) return std::nullopt;
+  const auto tail = static_cast<std::size_t>(find_bootstrap_tail(subjects) * static_cast<double>(count));
+  const double reach = std::max(estimate - effects.least[tail], effects.most[count - 1 - tail] - estimate);
   return Interval{std::max(estimate - reach, -1.0), std::min(estimate + reach, 1.0)};
 }
 
-Resampled verdict_of(const ColumnFinding& finding, Rule rule) {
+Outcome outcome_of(const ColumnFinding& finding, Rule rule) {
   switch (finding.under(rule).verdict) {
     case Verdict::kExists:
-      return Resampled::kExists;
+      return Outcome::kExists;
     case Verdict::kNone:
-      return Resampled::kNone;
+      return Outcome::kNone;
     case Verdict::kUntested:
       break;
   }
-  return Resampled::kUntested;
+  return Outcome::kUntested;
 }
 
-// A column that was dropped has no material answers to draw again: its EE stays false.
-std::vector<Resampled> fill_dropped(std::vector<Resampled> resamples,
-                                    const std::vector<ColumnFinding>& findings, Rule rule) {
-  for (std::size_t i = 0; i < resamples.size(); ++i) {
-    const ColumnFinding& finding = findings[i % findings.size()];
-    if (resamples[i] == Resampled::kUntested && finding.under(rule).verdict == Verdict::kNone)
-      resamples[i] = Resampled::kNone;
-  }
-  return resamples;
+// Outcomes of a column's resamples. shape: by Resampled.
+using OutcomeTable = std::array<Outcome, 3>;
+
+// A column without a verdict has none in any resample. One without EE of whose material nobody was asked,
+// since no level was left, is open where a resample leaves one.
+OutcomeTable make_outcome_table(const ColumnFinding& finding, Rule rule) {
+  const Verdict verdict = finding.under(rule).verdict;
+  if (verdict == Verdict::kUntested) return {Outcome::kUntested, Outcome::kUntested, Outcome::kUntested};
+  const bool was_asked = std::any_of(finding.material.begin(), finding.material.end(),
+                                     [](const LevelCount& level) { return level.count.n > 0; });
+  const bool is_open = verdict == Verdict::kNone && !was_asked;
+  return {Outcome::kNone, Outcome::kExists, is_open ? Outcome::kOpen : Outcome::kUntested};
+}
+
+// shape: resamples x columns, as `resamples`.
+std::vector<Outcome> find_resampled_outcomes(const std::vector<Resampled>& resamples,
+                                             const std::vector<ColumnFinding>& findings, Rule rule) {
+  std::vector<OutcomeTable> tables;
+  for (const ColumnFinding& finding : findings) tables.push_back(make_outcome_table(finding, rule));
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(resamples.size());
+  for (std::size_t i = 0; i < resamples.size(); ++i)
+    outcomes.push_back(tables[i % tables.size()][static_cast<std::size_t>(resamples[i])]);
+  return outcomes;
 }
 
 Trend answer(const Question& question, const std::vector<ColumnFinding>& findings, Rule rule,
              const Redrawn& redrawn) {
-  const Sums sums = add_up(question, [&](std::size_t place) { return verdict_of(findings[place], rule); });
+  const Sums sums = add_up(question, [&](std::size_t place) { return outcome_of(findings[place], rule); });
   Trend trend;
   trend.factor = question.factor;
   trend.from = question.from;
@@ -234,8 +273,8 @@ Trend answer(const Question& question, const std::vector<ColumnFinding>& finding
   trend.gained = sums.gained;
   trend.lost = sums.lost;
   trend.pairs = sums.pairs;
-  trend.effect = sums.effect();
   if (sums.pairs == 0) return trend;
+  trend.effect = sums.share_of(sums.gained - sums.lost);
   trend.status = sums.gained + sums.lost == 0 ? TrendStatus::kFlat : TrendStatus::kTested;
   trend.interval =
       find_effect_interval(*trend.effect, find_effects(question, redrawn, findings.size()), redrawn.subjects);
@@ -312,8 +351,9 @@ std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFindi
   ask_geometries(questions, study, findings);
   ask_materials(questions, study, findings);
   ask_illuminations(questions, study, findings);
-  const Redrawn redrawn{fill_dropped(uncertainty.resamples[static_cast<std::size_t>(rule)], findings, rule),
-                        uncertainty.subjects};
+  const Redrawn redrawn{
+      find_resampled_outcomes(uncertainty.resamples[static_cast<std::size_t>(rule)], findings, rule),
+      uncertainty.subjects};
   std::vector<Trend> trends;
   for (const Question& question : questions) trends.push_back(answer(question, findings, rule, redrawn));
   adjust_trends(trends);
@@ -356,7 +396,7 @@ Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule r
     rows.insert(rows.end(), earlier.data() + a, earlier.data() + a + from.findings.size());
     rows.insert(rows.end(), later.data() + b, later.data() + b + to.findings.size());
   }
-  const Redrawn redrawn{fill_dropped(std::move(rows), findings, rule),
+  const Redrawn redrawn{find_resampled_outcomes(rows, findings, rule),
                         std::min(from.uncertainty.subjects, to.uncertainty.subjects)};
   std::vector<Trend> trends{answer(question, findings, rule, redrawn)};
   adjust_trends(trends);

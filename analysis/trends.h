@@ -30,7 +30,8 @@ struct Trend {
   std::int64_t lost = 0;    ///< with EE at the earlier level only
   std::int64_t pairs = 0;
   std::optional<double> effect;  ///< (gained - lost) / pairs, -1 to 1: probability that EE is won less lost
-  /// Of the effect: it, give or take the farther end of the report's resamples of subjects.
+  /// Of the effect: it, give or take the farther end of the report's resamples of subjects. A column that was
+  /// dropped, and in a resample would not be, counts there as what takes the effect farther.
   std::optional<Interval> interval;
   double p = 1;        ///< two-sided, exact: EE permuted within strata
   double p_least = 1;  ///< the least p that any verdicts of these columns could give

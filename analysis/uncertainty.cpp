@@ -48,26 +48,32 @@ struct ColumnSlots {
   std::vector<int> levels;
 };
 
-// How often a cut was where. shape: a place for no level before the first, one each, one beyond the last.
+// How often a cut was where, at least and at most clamped. shape: a place for no level before the first, one
+// each, one beyond the last.
 class CutHistogram {
  public:
-  explicit CutHistogram(const std::vector<int>& levels) : levels_(levels), counts_(levels.size() + 2, 0) {}
+  explicit CutHistogram(const std::vector<int>& levels)
+      : levels_(levels), least_(levels.size() + 2, 0), most_(least_) {}
 
   void add(const Threshold& threshold, Experiment experiment) {
     if (threshold.status == CutStatus::kUntested) return;
-    ++counts_[threshold.cut                         ? place_of(*threshold.cut)
-              : experiment == Experiment::kArtifact ? counts_.size() - 1
-                                                    : 0];
+    const std::size_t none = experiment == Experiment::kArtifact ? least_.size() - 1 : 0;
+    const std::size_t place = threshold.cut ? place_of(*threshold.cut) : none;
+    ++least_[place];
+    ++most_[threshold.below ? place_of(*threshold.below) - 1 : place];
   }
 
   void add(const CutHistogram& other) {
-    for (std::size_t place = 0; place < counts_.size(); ++place) counts_[place] += other.counts_[place];
+    for (std::size_t place = 0; place < least_.size(); ++place) {
+      least_[place] += other.least_[place];
+      most_[place] += other.most_[place];
+    }
   }
 
   std::optional<CutRange> find_range(double tail) const {
-    const std::int64_t total = std::accumulate(counts_.begin(), counts_.end(), std::int64_t{0});
+    const std::int64_t total = std::accumulate(least_.begin(), least_.end(), std::int64_t{0});
     if (total == 0) return std::nullopt;
-    return CutRange{find_quantile(tail, total), find_quantile(1 - tail, total)};
+    return CutRange{find_quantile(least_, tail, total), find_quantile(most_, 1 - tail, total)};
   }
 
  private:
@@ -75,17 +81,17 @@ class CutHistogram {
     return static_cast<std::size_t>(std::find(levels_.begin(), levels_.end(), level) - levels_.begin()) + 1;
   }
   // Nearest rank.
-  int find_quantile(double share, std::int64_t total) const {
+  int find_quantile(const std::vector<std::int64_t>& counts, double share, std::int64_t total) const {
     const double rank = std::max(1.0, std::ceil(share * static_cast<double>(total)));
     std::int64_t below = 0;
     std::size_t place = 0;
-    while (place + 1 < counts_.size() && static_cast<double>(below += counts_[place]) < rank) ++place;
+    while (place + 1 < counts.size() && static_cast<double>(below += counts[place]) < rank) ++place;
     if (place == 0) return levels_.front() - 1;
     return place > levels_.size() ? levels_.back() + 1 : levels_[place - 1];
   }
 
   std::vector<int> levels_;
-  std::vector<std::int64_t> counts_;
+  std::vector<std::int64_t> least_, most_;
 };
 
 struct Thresholds {
@@ -98,8 +104,15 @@ Thresholds judge(const ColumnSlots& column, Rule rule) {
           find_cut(column.material.counts, Experiment::kMaterial, rule)};
 }
 
+// Whether some level is free of artifacts.
+Resampled judge_free(const Threshold& artifact) {
+  if (artifact.status == CutStatus::kUntested) return Resampled::kUntested;
+  return artifact.status == CutStatus::kNone ? Resampled::kNone : Resampled::kExists;
+}
+
 Resampled judge_resample(const Thresholds& thresholds) {
-  if (thresholds.artifact.status == CutStatus::kUntested) return Resampled::kUntested;
+  const Resampled free = judge_free(thresholds.artifact);
+  if (free != Resampled::kExists) return free;
   if (thresholds.material.status == CutStatus::kUntested) return Resampled::kUntested;
   return is_any_equivalent(thresholds.artifact, thresholds.material) ? Resampled::kExists : Resampled::kNone;
 }
@@ -175,6 +188,20 @@ void take_draw(ColumnCounts& counts, const Draws& draws, std::size_t number) {
   for (const auto& [place, values] : draws) counts[place].count = values[number];
 }
 
+void find_free_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots column,
+                         const UncertaintyParams& params) {
+  const Draws artifact = draw_column(column.artifact.counts, Experiment::kArtifact, name, params);
+  std::array<Share, 2> shares;
+  for (std::size_t draw = 0; draw < static_cast<std::size_t>(params.posterior_draws); ++draw) {
+    take_draw(column.artifact.counts, artifact, draw);
+    for (const Rule rule : kRules) {
+      shares[static_cast<std::size_t>(rule)].add(
+          judge_free(find_cut(column.artifact.counts, Experiment::kArtifact, rule)));
+    }
+  }
+  for (std::size_t r = 0; r < shares.size(); ++r) result.by_rule[r].free_posterior = shares[r].get();
+}
+
 void find_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots column,
                     const UncertaintyParams& params) {
   const Draws artifact = draw_column(column.artifact.counts, Experiment::kArtifact, name, params);
@@ -204,12 +231,14 @@ std::vector<std::uint32_t> draw_subjects(std::size_t subjects, const std::string
 // Of one column.
 struct ResampleSums {
   std::array<Share, 2> shares = {};
+  std::array<Share, 2> free = {};      // in which some level is free of artifacts
   std::vector<CutHistogram> artifact;  // shape: in order of kRules
   std::vector<CutHistogram> material;
 
   void add(const ResampleSums& other) {
     for (std::size_t r = 0; r < shares.size(); ++r) {
       shares[r].add(other.shares[r]);
+      free[r].add(other.free[r]);
       artifact[r].add(other.artifact[r]);
       material[r].add(other.material[r]);
     }
@@ -239,6 +268,7 @@ void add_resample(ResampleRun& run, std::vector<ColumnSlots>& columns, const std
       const Thresholds thresholds = judge(columns[c], rule);
       run.verdicts[r].push_back(judge_resample(thresholds));
       sums.shares[r].add(run.verdicts[r].back());
+      sums.free[r].add(judge_free(thresholds.artifact));
       sums.artifact[r].add(thresholds.artifact, Experiment::kArtifact);
       sums.material[r].add(thresholds.material, Experiment::kMaterial);
     }
@@ -257,7 +287,7 @@ ResampleRun resample(std::vector<ColumnSlots> columns, const std::string& study,
   ResampleRun run;
   for (const ColumnSlots& column : columns) {
     const std::vector<CutHistogram> empty(2, CutHistogram(column.levels));
-    run.columns.push_back({{}, empty, empty});
+    run.columns.push_back({{}, {}, empty, empty});
   }
   for (int number = first; number < end; ++number) {
     const auto counts = [&](const ResponseMatrix& matrix, Experiment experiment) {
@@ -311,6 +341,8 @@ void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t 
     result.by_rule[r].artifact_cut = artifact_cuts[r];
     result.by_rule[r].material_cut = material_cuts[r];
     if (result.status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
+    if (result.status == UncertaintyStatus::kNoCandidates && artifact > 1)
+      result.by_rule[r].free_bootstrap = sums.free[r].get();
   }
 }
 
@@ -327,6 +359,10 @@ std::vector<Count> subtract_subject(std::vector<Count> counts, const ResponseMat
 bool is_exists(const ColumnSlots& column, Rule rule) {
   const Thresholds thresholds = judge(column, rule);
   return is_any_equivalent(thresholds.artifact, thresholds.material);
+}
+
+bool is_any_free(const ColumnSlots& column, Rule rule) {
+  return judge_free(find_cut(column.artifact.counts, Experiment::kArtifact, rule)) == Resampled::kExists;
 }
 
 // The rows of a person in the two matrices.
@@ -371,6 +407,19 @@ void note_flip(RuleUncertainty& under, const Person& person, const ResponseMatri
   }
 }
 
+// Notes whom the column's finding turns without: EE, or, without candidates, whether a level is free.
+void compare_without(ColumnUncertainty& result, const ColumnSlots& without, const ColumnSlots& whole,
+                     const Person& person, const ResponseMatrix& artifact, const ResponseMatrix& material) {
+  for (const Rule rule : kRules) {
+    RuleUncertainty& under = result.by_rule[static_cast<std::size_t>(rule)];
+    if (result.status == UncertaintyStatus::kEstimated) {
+      if (is_exists(without, rule) != is_exists(whole, rule)) note_flip(under, person, artifact, material);
+    } else if (person.artifact && is_any_free(without, rule) != is_any_free(whole, rule)) {
+      under.free_flips.push_back(artifact.sessions[*person.artifact]);
+    }
+  }
+}
+
 // Leaves each person out in turn, from both experiments.
 void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots> columns,
                 const ResponseMatrix& artifact, const ResponseMatrix& material) {
@@ -380,19 +429,18 @@ void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots
     const std::vector<Count> seen_without = seen.without(person.artifact),
                              changed_without = changed.without(person.material);
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (results[c].status != UncertaintyStatus::kEstimated) continue;
+      const UncertaintyStatus status = results[c].status;
+      if (status != UncertaintyStatus::kEstimated && status != UncertaintyStatus::kNoCandidates) continue;
       columns[c].artifact.fill(seen_without);
       columns[c].material.fill(changed_without);
-      for (const Rule rule : kRules) {
-        if (is_exists(columns[c], rule) == is_exists(whole[c], rule)) continue;
-        note_flip(results[c].by_rule[static_cast<std::size_t>(rule)], person, artifact, material);
-      }
+      compare_without(results[c], columns[c], whole[c], person, artifact, material);
     }
   }
   for (ColumnUncertainty& result : results) {
     for (RuleUncertainty& under : result.by_rule) {
       std::sort(under.artifact_flips.begin(), under.artifact_flips.end());
       std::sort(under.material_flips.begin(), under.material_flips.end());
+      std::sort(under.free_flips.begin(), under.free_flips.end());
     }
   }
 }
@@ -430,6 +478,8 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
   for (std::size_t c = 0; c < columns.size(); ++c) {
     ColumnUncertainty& column = result.columns[c];
     column.status = find_status(findings[c], columns[c], artifact.subjects(), material.subjects());
+    if (column.status == UncertaintyStatus::kNoCandidates)
+      find_free_posterior(column, findings[c].column, columns[c], params);
     if (columns[c].artifact.cells.empty() || columns[c].material.cells.empty()) continue;
     find_posterior(column, findings[c].column, columns[c], params);
   }

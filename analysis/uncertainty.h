@@ -26,7 +26,8 @@ struct UncertaintyParams {
 /// levels. Under `paper` it is widened to the range under `isotonic`: of many levels near the cut that rule
 /// takes the outermost that chance flags, and of a resample's again, so that its own range drifts outwards.
 struct CutRange {
-  int lower = 0;  ///< a clamp level; -1: no level, before the first one (material)
+  int lower = 0;  ///< a clamp level; -1: no level, before the first one (material). A material threshold
+                  ///< below all tested levels may lie from there up to the level before them
   int upper = 0;  ///< a clamp level; one more than the last: no level, beyond it (artifact)
   bool operator==(const CutRange&) const = default;
 };
@@ -36,7 +37,8 @@ enum class UncertaintyStatus {
   kEstimated,
   kUntested,      ///< an experiment has no answers in this column
   kOneSubject,    ///< one subject answered: drawing it again says nothing; only the posterior is given
-  kNoCandidates,  ///< every tested level has artifacts or the selection dropped the column: EE is false
+  kNoCandidates,  ///< every tested level has artifacts or the selection dropped the column: EE is false, and
+                  ///< nobody was asked about the material
 };
 
 /// Under one rule.
@@ -49,6 +51,12 @@ struct RuleUncertainty {
   /// left out of both. shape: ResponseMatrix::sessions, sorted.
   std::vector<std::int64_t> artifact_flips;
   std::vector<std::int64_t> material_flips;  ///< of those who have a material session alone, by that
+  /// Of a column without candidates: that some level is free of artifacts, as EE needs, by its artifact
+  /// answers alone. EE is no more probable than that. Posterior probability and share of resamples.
+  std::optional<double> free_posterior;
+  std::optional<double> free_bootstrap;
+  /// The same column's persons without whom one is free if none was, or none if one was; as artifact_flips.
+  std::vector<std::int64_t> free_flips;
 };
 
 struct ColumnUncertainty {
@@ -59,7 +67,11 @@ struct ColumnUncertainty {
 };
 
 /// EE of a column in a resample.
-enum class Resampled : std::uint8_t { kNone, kExists, kUntested };
+enum class Resampled : std::uint8_t {
+  kNone,  ///< also where no level is free of artifacts, whatever the material answers
+  kExists,
+  kUntested  ///< a level may be free of artifacts, and nobody was asked about the material
+};
 
 struct Uncertainty {
   std::vector<ColumnUncertainty> columns;  ///< one for each finding, in its order

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 
 #include "analysis/csv.h"
 #include "base/error.h"
@@ -17,6 +18,28 @@ int find_first_tested(const ColumnCounts& counts) {
   const auto found =
       std::find_if(counts.begin(), counts.end(), [](const auto& level) { return level.count.n > 0; });
   return found->level;
+}
+
+// As parse_csv wants it: without a BOM, lines ended by a line feed, none blank at the end.
+std::string tidy_lines(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
+  text = text.substr(0, last == text.npos ? 0 : last + 1);
+  std::string tidy;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text.substr(i, 2) != "\r\n") tidy += text[i];
+  }
+  return tidy + "\n";
+}
+
+void check_columns(const Table& table, std::string_view source) {
+  std::set<std::string> names;
+  for (const std::string& name : table.columns) {
+    if (!names.insert(name).second)
+      throw InputError(source, "line 1", "columns of different names",
+                       fmt::format("two of the name \"{}\"", name.substr(0, 80)));
+  }
 }
 
 std::size_t place_of(const Table& table, const std::string& name, std::string_view source) {
@@ -90,9 +113,13 @@ std::map<Column, Window> choose_windows(const Study& study, const Tally& artifac
 Tally parse_prediction(std::string_view text, std::string_view source, const Study& study) {
   Tally tally;
   for (const Cell& cell : enumerate_cells(study)) tally[cell] = {};
-  const Table table = parse_csv(text, source);
+  const Table table = parse_csv(tidy_lines(text), source);
+  check_columns(table, source);
   const std::size_t column = place_of(table, "column", source), clamp = place_of(table, "clamp", source),
                     proportion = place_of(table, "proportion", source);
+  if (table.rows.empty())
+    throw InputError(source, "line 2", "a row for each cell that is predicted", "the end of the file");
+  std::map<Cell, std::string> places;
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const std::string place = fmt::format("line {}", row + 2);
     const Cell cell{parse_column(table.rows[row][column], source, place),
@@ -100,6 +127,10 @@ Tally parse_prediction(std::string_view text, std::string_view source, const Stu
     const auto found = tally.find(cell);
     if (found == tally.end())
       throw InputError(source, place, fmt::format("a cell of the study {}", study.name), format_key(cell));
+    const auto [first, is_new] = places.try_emplace(cell, place);
+    if (!is_new)
+      throw InputError(source, place, "one row for each cell",
+                       fmt::format("{} again, as in {}", format_key(cell), first->second));
     const double value = parse_proportion(table.rows[row][proportion], source, place);
     found->second = {std::llround(value * static_cast<double>(kPredictedN)), kPredictedN};
   }

@@ -21,8 +21,9 @@ std::map<Column, Window> choose_windows(const Study& study, const Tally& artifac
                                         Rule rule, WindowOrigin origin);
 
 /// A prediction as a tally, with n = 1,000,000 in each cell that has one. `text` is CSV with the columns
-/// column (G1-MR-ind-100k), clamp (C4) and proportion (correct, 0 to 1). errors: InputError naming `source`
-/// and the line.
+/// column (G1-MR-ind-100k), clamp (C4) and proportion (correct, 0 to 1), as spreadsheets write it too: with a
+/// BOM, lines ended by CR LF, blank ones at the end. errors: InputError naming `source` and the line, also
+/// for two rows of one cell, two columns of one name, and no rows.
 Tally parse_prediction(std::string_view text, std::string_view source, const Study& study);
 
 /// windows.json, ready to be edited by hand.

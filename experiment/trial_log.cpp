@@ -191,7 +191,8 @@ std::vector<AnswerRow> TrialLog::load_answers(SubjectKind kind, Experiment exper
       impl_->database,
       "SELECT session, subject_index, cell, answer = test_side FROM trial"
       " JOIN session ON session.id = session"
-      " WHERE kind = ? AND experiment = ? AND complete = 1 AND phase = 'main' ORDER BY session, trial",
+      " WHERE kind = ? AND experiment = ? AND complete = 1 AND phase = 'main' AND answer IS NOT NULL"
+      " ORDER BY session, trial",
       format_kind(kind), format_experiment(experiment));
   std::vector<AnswerRow> answers;
   while (statement.step()) {

@@ -109,7 +109,8 @@ Simulated simulate_study(const Study& study, const Chances& chances, std::uint64
   return result;
 }
 
-// A column of four tested levels, whose true proportion is 75 % or more in the first `seen` of them.
+// A column of four tested levels, whose true proportion is 75 % or more in the first `seen` of them: with all
+// four the cut lies beyond them, of materials below C4.
 struct CutCase {
   const char* name;
   std::vector<double> correct;  ///< from the level where most see something to the one where fewest do
@@ -182,6 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
     Of, CutCoverage,
     ::testing::Values(CutCase{"step", {0.95, 0.85, 0.6, 0.5}, 2, false, {0.995, 0.995}, {1, 1}},
                       CutCase{"fading", {0.84, 0.78, 0.72, 0.66}, 2, true, {0.982, 0.981}, {0.988, 0.986}},
+                      CutCase{"beyond", {0.95, 0.92, 0.9, 0.88}, 4, false, {1, 1}, {1, 1}},
                       CutCase{"brink", {0.74, 0.74, 0.74, 0.74}, 0, true, {0.8, 0.8}, {0.847, 0.847}}),
     name_of_case<CutCase>);
 

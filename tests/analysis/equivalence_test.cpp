@@ -86,6 +86,25 @@ TEST(Equivalence, of_a_dropped_column_is_none_under_either_rule) {
   EXPECT_EQ(finding.under(Rule::kIsotonic).verdict, Verdict::kNone);
 }
 
+// 9 of 12 is flagged at 75 %, not at 80 %: a level would be left there, and nobody was asked about it. 10 of
+// 12 is flagged at all three.
+TEST(Equivalence, of_a_dropped_column_is_untested_at_a_cut_that_would_not_have_dropped_it) {
+  Bench bench;
+  const auto verdict_at = [&](std::int64_t last, int percent) {
+    bench.set(bench.artifact, {{7, {12, 12}}, {8, {12, 12}}, {9, {12, 12}}, {10, {last, 12}}});
+    const Selection selection =
+        make_selection(bench.study, bench.artifact, SubjectKind::kPerson, Rule::kPaper, "digest");
+    return find_equivalence(bench.study, bench.artifact, bench.material, &selection, percent)
+        .front()
+        .under(Rule::kPaper)
+        .verdict;
+  };
+  EXPECT_EQ(verdict_at(9, 70), Verdict::kNone);
+  EXPECT_EQ(verdict_at(9, 75), Verdict::kNone);
+  EXPECT_EQ(verdict_at(9, 80), Verdict::kUntested);
+  EXPECT_EQ(verdict_at(10, 80), Verdict::kNone);
+}
+
 TEST(Equivalence, of_a_column_that_waits_for_its_material_answers_is_untested) {
   Bench bench;
   bench.set(bench.artifact, {{3, {12, 12}}, {4, {10, 12}}, {5, {5, 12}}, {6, {6, 12}}});

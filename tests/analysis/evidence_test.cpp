@@ -63,6 +63,24 @@ TEST_F(EvidenceTest, without_finished_sessions_the_error_says_how_many_are_unfin
       "responses.sqlite: expected finished artifact sessions of the kind planted, got none (0 unfinished)");
 }
 
+TEST_F(EvidenceTest, a_log_of_material_sessions_alone_is_refused_by_name) {
+  for (int i = 0; i < 3; ++i) add(SubjectKind::kPerson, Experiment::kMaterial, true);
+  add(SubjectKind::kPerson, Experiment::kMaterial, false);
+  EXPECT_EQ(message(std::nullopt),
+            "responses.sqlite: expected finished artifact sessions, got none (0 unfinished; finished are 3 "
+            "material sessions of the kind person)");
+}
+
+TEST_F(EvidenceTest, finished_sessions_of_other_kinds_are_counted_apart) {
+  add(SubjectKind::kPlanted, Experiment::kArtifact, true);
+  add(SubjectKind::kPerson, Experiment::kMaterial, true);
+  add(SubjectKind::kPerson, Experiment::kMaterial, true);
+  add(SubjectKind::kLooking, Experiment::kArtifact, false);
+  EXPECT_EQ(describe_totals(count_others(sessions, SubjectKind::kPlanted)),
+            "2 material sessions of the kind person");
+  EXPECT_TRUE(count_others({sessions.front()}, SubjectKind::kPlanted).empty());
+}
+
 TEST_F(EvidenceTest, only_finished_sessions_of_the_kind_and_experiment_count) {
   add(SubjectKind::kPlanted, Experiment::kArtifact, true);
   add(SubjectKind::kPlanted, Experiment::kArtifact, false);

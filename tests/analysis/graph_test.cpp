@@ -34,8 +34,16 @@ TEST(Graph, is_well_formed_xml_with_a_cell_for_each_level_and_count) {
     ASSERT_NO_THROW(read_xml(svg)) << svg;
     ASSERT_EQ(read_xml(svg).get<std::string>("svg.<xmlattr>.xmlns"), "http://www.w3.org/2000/svg");
     ASSERT_EQ(count_of(svg, "class=\"cell\""), 3U * 11U);
-    ASSERT_EQ(count_of(svg, "<title>"), 3U * 11U);
+    ASSERT_EQ(count_of(svg, "<title>"), 3U * 11U + 3U) << "of each cell and of each column";
   }
+}
+
+// G0-MS-ind-1k of pocket is planted free of artifacts from C10 on and of the same material up to C3.
+TEST(Graph, says_of_a_material_cut_below_all_tested_levels_that_it_lies_there) {
+  const PlantedStudy planted = make_planted_study("pocket", 200, 200, 1, 0.0);
+  const Object object = enumerate_objects(planted.study)[0];
+  const std::string svg = draw_graph(object, findings_of(find_in(planted), object), Rule::kPaper);
+  EXPECT_EQ(count_of(svg, "material cut &lt; C10 (censored_low)"), 1U) << svg;
 }
 
 TEST(Graph, has_a_dot_for_each_tested_cell_of_either_experiment) {

@@ -19,6 +19,7 @@
 #include "protocols/session_protocol.h"
 #include "tests/analysis/columns.h"
 #include "tests/experiment/fake_trials.h"
+#include "tests/experiment/raw_database.h"
 #include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
@@ -215,6 +216,24 @@ TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and
   EXPECT_NE(page.find("2 of 4 (at least 2)"), std::string::npos);
 }
 
+// Planted artifact answers, and material sessions of persons: these are not what the report is of.
+TEST_F(Folders, name_finished_sessions_of_other_kinds) {
+  EXPECT_THAT(load({"a"})[0].warnings, testing::Not(testing::Contains(testing::HasSubstr("other kinds"))));
+  for (const char* name : {"a", "b"}) {
+    const StudyFolder folder{temporary_ / name};
+    SessionRow row = make_person(0, load_folder_study(folder), "");
+    row.experiment = Experiment::kMaterial;
+    row.digests.windows = "";
+    TrialLog log(folder.responses());
+    log.finish_session(log.append_session(row, make_person_trials(load_folder_study(folder), 8)), 1);
+  }
+  const std::string told = "Finished sessions of other kinds are not counted here: {} of the kind person.";
+  EXPECT_THAT(load({"a"})[0].warnings,
+              testing::Contains(fmt::format(fmt::runtime(told), "1 material sessions")));
+  EXPECT_THAT(load({"a", "b"})[0].warnings,
+              testing::Contains(fmt::format(fmt::runtime(told), "2 material sessions")));
+}
+
 TEST_F(Folders, give_the_same_bytes_in_any_order) {
   const fs::path first = temporary_ / "first", second = temporary_ / "second";
   for (const auto& [out, names] :
@@ -339,7 +358,17 @@ const Table& find_table(const std::vector<ReportTable>& tables, const std::strin
       ->table;
 }
 
+// As no program leaves it: an answer is taken from a finished session.
+void erase_answer(const StudyFolder& folder, int session, int trial) {
+  RawDatabase(folder.responses())
+      .query(fmt::format("UPDATE trial SET answer = NULL, response_time_ns = NULL, answered_utc = NULL"
+                         " WHERE session = {} AND trial = {}",
+                         session, trial));
+}
+
 TEST_F(Folders, have_the_same_sums_in_every_file) {
+  const StudyFolder damaged{temporary_ / "b"};
+  erase_answer(damaged, 1, 3);
   const auto reports = load({"a", "b", "n"});
   const auto tables = make_report_tables(reports);
   const Table answers = make_answers_table(reports);
@@ -350,8 +379,46 @@ TEST_F(Folders, have_the_same_sums_in_every_file) {
   const Json json = make_report_json(reports);
   EXPECT_EQ(json.at("cells").as_array().size(), find_table(tables, "cells.csv").rows.size());
   EXPECT_EQ(json.at("ee").as_array().size(), 8U + 12U);
-  for (const Json& row : json.at("ee").as_array()) EXPECT_TRUE(row.at("ee_paper").is_bool());
+  for (const Json& row : json.at("ee").as_array()) {
+    const std::string& status = row.at("status_paper").as_string();
+    EXPECT_EQ(row.at("ee_paper"), status == "untested" ? Json(nullptr) : Json(status == "exists"));
+  }
   EXPECT_EQ(parse_json(format_json(json), "report.json"), json);
+}
+
+// Before the material experiment nothing is known of EE but where every level has artifacts.
+TEST_F(Folders, leave_ee_empty_where_it_is_untested) {
+  make_answered_folder(temporary_ / "half", "pocket", 4, 12, 0);
+  const auto reports = load({"half"});
+  const auto tables = make_report_tables(reports);
+  const Table& ee = find_table(tables, "ee.csv");
+  std::size_t untested = 0;
+  for (const auto& row : ee.rows) {
+    const std::string status = row[place_of(ee, "status_paper")];
+    untested += status == "untested" ? 1 : 0;
+    EXPECT_EQ(row[place_of(ee, "ee_paper")], status == "untested" ? "" : "false");
+  }
+  EXPECT_GT(untested, 0U);
+  const Json json = make_report_json(reports);
+  for (const Json& row : json.at("ee").as_array())
+    EXPECT_EQ(row.at("ee_isotonic").is_null(), row.at("status_isotonic").as_string() == "untested");
+}
+
+TEST_F(Folders, leave_out_a_trial_without_an_answer_and_say_so) {
+  const StudyFolder folder{temporary_ / "b"};
+  const Report whole = load({"b"})[0];
+  erase_answer(folder, 1, 3);
+  const Report report = load({"b"})[0];
+  EXPECT_THAT(report.warnings,
+              testing::Contains("1 trials of finished artifact sessions have no answer: they "
+                                "are left out."));
+  EXPECT_EQ(count_answers(report.artifact), count_answers(whole.artifact) - 1);
+  EXPECT_EQ(report.material, whole.material);
+  const InterimFindings interim = load_interim(folder, report.study, SubjectKind::kPlanted);
+  for (std::size_t c = 0; c < interim.columns.size(); ++c)
+    EXPECT_EQ(interim.columns[c].artifact, report.findings[c].artifact);
+  EXPECT_NE(format_page({report}).find("AND answer IS NOT NULL GROUP BY cell"), std::string::npos);
+  EXPECT_THAT(load({"a", "b"})[0].warnings, testing::Contains(testing::HasSubstr("have no answer")));
 }
 
 // A person without whom a verdict is another is named once for each such column.
@@ -394,12 +461,25 @@ TEST_F(Folders, make_a_figure_for_each_illumination_and_one_of_plain_above_norma
   std::vector<std::string> names;
   for (const Figure& figure : figures) names.push_back(figure.name);
   EXPECT_EQ(names, (std::vector<std::string>{"figure-paper-ind", "figure-paper-dir",
-                                             "figure-normalisation-ind", "figure-paper-normalisation"}));
+                                             "figure-normalisation-ind", "figure-paper+normalisation"}));
   EXPECT_EQ(figures[0].panels.size(), 20U);
   EXPECT_EQ(figures[3].width, 4U);
   EXPECT_EQ(figures[3].panels.size(), 8U);
   const std::string text = format_figure(figures[3], Rule::kPaper, FigureFormat::kPdf, "it's.pdf");
   EXPECT_NE(text.find("set output 'it''s.pdf'"), std::string::npos);
+}
+
+// A normalised study of the name of an illumination.
+TEST_F(Folders, make_no_two_figures_of_one_name) {
+  auto reports = load({"n"});
+  Report plain = reports[0];
+  plain.study.name = "main";
+  plain.study.normalise = false;
+  reports[0].study.name = "ind";
+  reports.push_back(std::move(plain));
+  std::vector<std::string> names;
+  for (const Figure& figure : make_figures(reports)) names.push_back(figure.name);
+  EXPECT_THAT(names, testing::UnorderedElementsAre("figure-ind-ind", "figure-main-ind", "figure-main+ind"));
 }
 
 TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {

@@ -313,7 +313,19 @@ TEST(Report, tells_columns_in_which_nobody_was_asked_about_the_material_apart) {
   EXPECT_TRUE(has(page({{7, 12}, {8, 12}, {9, 12}, {10, 12}}, {}),
                   "In 1 of the columns without one nobody was asked about the material: no level was left"));
   EXPECT_FALSE(has(page({{7, 12}, {8, 12}, {9, 1}, {10, 1}}, {{9, 14}, {10, 14}}),
-                   "nobody was asked about the material"));
+                   "columns without one nobody was asked about the material"));
+}
+
+TEST(Report, prints_cuts_below_the_tested_levels_and_bounds_where_nobody_was_asked) {
+  const Report below =
+      make_planted_report(answer_column({{4, 12}, {5, 12}, {6, 12}, {7, 1}}, {{7, 14}, {9, 14}, {10, 14}}));
+  EXPECT_TRUE(has(format_page({below}), "<td>&lt; C7 <span class=\"note\">censored_low</span></td>"));
+  EXPECT_TRUE(has(make_report_files({below}).at("thresholds.csv"),
+                  "paper,,censored_low,true,true,C7 C9 C10,,none,C6\n"));
+  const std::string dropped =
+      format_page({make_planted_report(answer_column({{7, 12}, {8, 12}, {9, 12}, {10, 10}}, {}))});
+  EXPECT_TRUE(has(dropped, "<td>&minus;</td><td>&ndash;</td><td>&le; 0."));
+  EXPECT_TRUE(has(dropped, "no level is left free of artifacts</td>"));
 }
 
 TEST(Report, warns_of_a_selection_that_is_missing_or_another_than_the_sessions_used) {
@@ -522,6 +534,37 @@ TEST(Report, has_planted_thresholds_beside_those_found_if_they_are_the_sessions)
   EXPECT_TRUE(has(compared, "Artifact cuts: 8 of 8 as perfect answers would give them, 8 within"));
   EXPECT_TRUE(has(compared, "8 within one level. EE: 8 of 8 as planted"));
   EXPECT_TRUE(has(compared, "<tr><td>G0-MS-ind-1k</td><td>C10</td><td>C10</td>"));
+}
+
+// What stands in a log or a selection is text, whatever it looks like.
+TEST(Report, runs_nothing_that_a_log_or_a_selection_brings) {
+  const std::string script = "<script>alert(1)</script>";
+  Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  for (ExperimentEvidence* experiment : {&report.evidence.artifact, &report.evidence.material}) {
+    for (SessionRow& row : experiment->finished) {
+      row.program_version = row.participant = script;
+      for (std::string SessionDigests::*digest :
+           {&SessionDigests::manifest, &SessionDigests::windows, &SessionDigests::selection,
+            &SessionDigests::protocol, &SessionDigests::truth})
+        row.digests.*digest = script;
+    }
+  }
+  for (SubjectsReport* subjects : {&report.artifact_subjects, &report.material_subjects}) {
+    for (SubjectFinding& finding : subjects->sessions) {
+      finding.summary.participant = finding.summary.folder = script;
+      finding.summary.complete = false;
+      finding.summary.abort_reason = script;
+    }
+  }
+  report.selection->rule = report.selection->answers_digest = script;
+  report.warnings = {script};
+  report.folders = {script};
+  report.study.description = script;
+  std::string page = format_page({report});
+  report.selections = {{script, script, script, script}};
+  page += format_page({report});
+  EXPECT_FALSE(has(page, "<script"));
+  EXPECT_TRUE(has(page, "<dt>artifact sessions: program</dt><dd>&lt;script"));
 }
 
 TEST(Report, traces_noise_and_order_effects_too) {

@@ -123,12 +123,24 @@ TEST(MaterialCut, nothing_follows_beyond_the_last_tested_level_where_none_change
   EXPECT_EQ(states_of(material(make_column({{4, {6, 14}}, {6, {6, 14}}}))), "....===....");
 }
 
-TEST(MaterialCut, is_none_where_the_first_tested_level_has_changed) {
+TEST(MaterialCut, lies_below_the_first_tested_level_where_that_has_changed) {
   const auto threshold = material(make_column({{4, {14, 14}}, {6, {6, 14}}, {10, {6, 14}}}));
   EXPECT_FALSE(threshold.cut.has_value());
-  EXPECT_EQ(threshold.status, CutStatus::kNone);
+  EXPECT_EQ(threshold.below, 4);
+  EXPECT_EQ(threshold.status, CutStatus::kCensoredLow);
+  EXPECT_EQ(format_cut(threshold), "< C4");
   EXPECT_EQ(states_of(threshold), "....xxxxxxx");
   EXPECT_FALSE(threshold.flags_monotone);
+}
+
+TEST(MaterialCut, is_none_only_where_the_least_clamped_level_was_tested_and_has_changed) {
+  const auto threshold = material(make_column({{0, {14, 14}}, {2, {14, 14}}, {4, {14, 14}}}));
+  EXPECT_FALSE(threshold.cut || threshold.below);
+  EXPECT_EQ(threshold.status, CutStatus::kNone);
+  EXPECT_EQ(format_cut(threshold), "-");
+  ColumnCounts counts = make_column({{4, {14, 14}}, {6, {14, 14}}});
+  counts.erase(counts.begin(), counts.begin() + 4);
+  EXPECT_EQ(material(counts).status, CutStatus::kNone) << "of a study that begins at C4";
 }
 
 TEST(MaterialCut, everything_from_the_first_changed_level_on_is_changed) {

@@ -242,6 +242,35 @@ TEST(Trends, do_not_hold_where_other_subjects_could_have_given_the_opposite) {
       find_trend(find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty), "1k", "5M").holds);
 }
 
+// Columns of 1k have no EE since they were dropped; a resample that would keep them cannot say what they
+// have.
+TEST(Trends, take_what_a_dropped_column_might_have_for_what_moves_them_farther) {
+  Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
+  const auto step = [&] {
+    return find_trend(find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty), "1k", "100k");
+  };
+  EXPECT_TRUE(step().holds);
+  auto& resamples = made.uncertainty.resamples[0];
+  for (Resampled& resampled : resamples) {
+    if (resampled == Resampled::kNone) resampled = Resampled::kUntested;
+  }
+  EXPECT_EQ(step().effect, 1);
+  EXPECT_EQ(step().interval, (Interval{0, 1})) << "with EE at 1k nothing is gained";
+  EXPECT_FALSE(step().holds);
+  for (ColumnFinding& finding : made.findings) finding.material = make_column({{4, {14, 14}}});
+  EXPECT_FALSE(step().interval) << "asked, and in no resample: such a pair is left out";
+  for (ColumnFinding& finding : made.findings) {
+    if (finding.column.vpl_count == 1000) finding.by_rule[0].verdict = Verdict::kUntested;
+  }
+  for (Resampled& resampled : resamples) {
+    if (resampled == Resampled::kUntested) resampled = Resampled::kNone;
+  }
+  EXPECT_EQ(step().pairs, 0);
+  const Trend along =
+      find_trend(find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty), "1k", "5M");
+  EXPECT_EQ(along.interval, (Interval{0, 0})) << "a column that waits for its material answers stays out";
+}
+
 TEST(Trends, do_not_hold_where_there_are_no_other_subjects) {
   Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
   const Case many = made;

@@ -219,6 +219,11 @@ TEST(Bootstrap, shows_a_cut_that_may_lie_at_no_level_as_one_beyond_the_scale) {
   EXPECT_EQ(paper.material_cut, (CutRange{-1, 10}));
 }
 
+TEST(Bootstrap, lets_a_material_cut_below_the_tested_levels_lie_anywhere_there) {
+  const auto paper = make_two_cells(0, 12, 14, 14).disturb({1, 10, 100}).front().under(Rule::kPaper);
+  EXPECT_EQ(paper.material_cut, (CutRange{-1, 4})) << "C5 was tested";
+}
+
 TEST(Flips, are_the_subjects_without_whom_the_verdict_is_another) {
   // 8 of 12 is not flagged; without one who was wrong it is 8 of 11, which is not either: 800 < 825.
   EXPECT_TRUE(
@@ -284,6 +289,16 @@ TEST(ResponseMatrix, adds_up_the_sessions_of_a_person_and_keeps_those_without_a_
   EXPECT_EQ(count_weighted(grouped, {1, 1, 1}), count_weighted(sessions, {1, 1, 1, 1}));
 }
 
+// 300 sessions of one code, of which 280 are right: more than a byte counts.
+TEST(ResponseMatrix, adds_up_as_many_sessions_of_a_person_as_there_are) {
+  const ResponseMatrix sessions = make_response_matrix(make_two_cells(280, 300, 0, 0).artifact);
+  const ResponseMatrix grouped = group_by_person(sessions, make_codes(300, 300));
+  ASSERT_EQ(grouped.subjects(), 1U);
+  EXPECT_EQ(grouped.asked.at(0), 300);
+  EXPECT_EQ(grouped.correct.at(0), 280);
+  EXPECT_EQ(count_weighted(grouped, {2}), (std::vector<Count>{{560, 600}}));
+}
+
 TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite) {
   const auto status_of = [](const Answered& answered) { return answered.disturb({1, 50, 50}).front(); };
   EXPECT_EQ(status_of(make_two_cells(0, 0, 0, 0)).status, UncertaintyStatus::kUntested);
@@ -309,6 +324,26 @@ TEST(Uncertainty, of_a_column_that_pruning_dropped_says_that_it_has_no_candidate
   const auto result = answered.disturb({1, 10, 10}).front();
   EXPECT_EQ(result.status, UncertaintyStatus::kNoCandidates);
   EXPECT_EQ(result.under(Rule::kPaper).artifact_cut, (CutRange{11, 11}));
+}
+
+// Some level is free under `paper` iff C10 is not flagged: in closed form by its posterior, and Bin(12, 9 /
+// 12) drawn again. Seed 3, 20,000 draws, four standard errors. Without one of the nine it is 8 of 11, not
+// flagged.
+TEST(Uncertainty, of_a_dropped_column_says_how_sure_it_is_that_no_level_is_free) {
+  Answered answered = make_two_cells(9, 12, 0, 0);
+  for (AnswerRow& row : answered.artifact) row.cell.clamp_level = 10;
+  const auto result = answered.disturb({3, 20000, 20000}).front();
+  ASSERT_EQ(result.status, UncertaintyStatus::kNoCandidates);
+  const double posterior = 1 - *eval_posterior_over({9, 12}), share = 1 - eval_upper_tail(9, 12, 9.0 / 12);
+  for (const Rule rule : kRules) {
+    const RuleUncertainty& under = result.under(rule);
+    EXPECT_NEAR(*under.free_posterior, posterior, 4 * std::sqrt(posterior * (1 - posterior) / 20000));
+    EXPECT_NEAR(*under.free_bootstrap, share, 4 * std::sqrt(share * (1 - share) / 20000));
+    EXPECT_EQ(under.free_flips, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+    EXPECT_FALSE(under.posterior || under.bootstrap);
+    EXPECT_TRUE(under.artifact_flips.empty());
+  }
+  EXPECT_FALSE(make_two_cells(9, 12, 0, 14).disturb({3, 10, 10}).front().under(Rule::kPaper).free_posterior);
 }
 
 // Seed 7: rows shuffled, subjects renamed and exchanged, the same numbers to the last bit.

@@ -96,8 +96,31 @@ std::string find_error(const std::string& text) {
   return "";
 }
 
+TEST(WindowChoice, takes_a_prediction_as_spreadsheets_write_it) {
+  const Study study = load_protocol("pocket");
+  const auto parse = [&](const std::string& text) { return parse_prediction(text, "prediction.csv", study); };
+  const Tally plain = parse("column,clamp,proportion\nG0-MS-ind-1k,C1,0.9\nG0-MS-ind-1k,C2,0.8\n");
+  EXPECT_EQ(plain.at({enumerate_columns(study)[0], 2, false}).k, 800000);
+  for (const char* text : {"column,clamp,proportion\r\nG0-MS-ind-1k,C1,0.9\r\nG0-MS-ind-1k,C2,0.8\r\n",
+                           "\xEF\xBB\xBF"
+                           "column,clamp,proportion\nG0-MS-ind-1k,C1,0.9\nG0-MS-ind-1k,C2,0.8\n",
+                           "column,clamp,proportion\nG0-MS-ind-1k,C1,0.9\nG0-MS-ind-1k,C2,0.8",
+                           "column,clamp,proportion\nG0-MS-ind-1k,C1,0.9\nG0-MS-ind-1k,C2,0.8\n\n\r\n \n"})
+    EXPECT_EQ(parse(text), plain) << text;
+}
+
 TEST(WindowChoice, names_what_is_wrong_with_a_prediction) {
-  EXPECT_NE(find_error("column,clamp\n").find("prediction.csv: line 1: "), std::string::npos);
+  for (const auto& [text, error] : std::vector<std::pair<std::string, std::string>>{
+           {"column,clamp\nG0-MS-ind-1k,C1\n",
+            "line 1: expected the columns column, clamp and proportion, got no"},
+           {"", "line 1: expected the columns"},
+           {"column,clamp,proportion,clamp\nG0-MS-ind-1k,C1,1,C2\n",
+            "line 1: expected columns of different names"},
+           {"column,clamp,proportion\r\n\r\n", "line 2: expected a row for each cell"},
+           {"column,clamp,proportion\nG0-MS-ind-1k,C1,1\n\nG0-MS-ind-1k,C2,1\n", "line 3: expected 3 fields"},
+           {"column,clamp,proportion\nG0-MS-ind-1k,C1,1\nG0-MS-ind-1k,C2,1\nG0-MS-ind-1k,C1,1\n",
+            "line 4: expected one row for each cell, got G0-MS-ind-1k-C1 again, as in line 2"}})
+    EXPECT_EQ(find_error(text).find("prediction.csv: " + error), 0U) << find_error(text);
   for (const char* value : {"", "1.5", "-0.1", "nan", "half", "0.5x"}) {
     const std::string error = find_error(fmt::format("column,clamp,proportion\nG0-MS-ind-1k,C1,{}\n", value));
     EXPECT_NE(error.find("line 2: expected a proportion of 0 to 1"), std::string::npos)

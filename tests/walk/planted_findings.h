@@ -46,7 +46,8 @@ inline void plant_artifact_cut(const PlantedColumn& truth, PlantedFinding& findi
   if (cut > 10) finding.artifact_status = "none";
 }
 
-/// Material: unchanged up to the last tested level before the first changed one.
+/// Material: unchanged up to the last tested level before the first changed one. With all changed it lies
+/// below the first of them, if that is not C0.
 inline void plant_material_cut(const PlantedColumn& truth, PlantedFinding& finding) {
   finding.material_status = "untested";
   if (!finding.artifact_cut) return;
@@ -54,7 +55,7 @@ inline void plant_material_cut(const PlantedColumn& truth, PlantedFinding& findi
   for (int level : finding.kept) {
     if (level <= truth.material_same_to) finding.material_cut = level;
   }
-  finding.material_status = !finding.material_cut         ? "none"
+  finding.material_status = !finding.material_cut ? *finding.artifact_cut == 0 ? "none" : "censored_low"
                             : *finding.material_cut == 10 ? "censored_high"
                                                           : "cut";
   if (!finding.material_cut) return;

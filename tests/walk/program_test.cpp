@@ -124,6 +124,15 @@ TEST(Programs, LeaveWithTwoOnThreadsBeyondTheRange) {
   }
 }
 
+TEST(Programs, LeaveWithTwoOnSeedsThatAReportCannotHold) {
+  for (const std::string seed : {"-1", "9223372036854775808", "18446744073709551615", "one", "1.5"}) {
+    expect_usage_error("analyze", {"report", "a", "--seed", seed});
+    expect_usage_error("analyze", {"plan", "a", "--seed", seed});
+  }
+  for (const std::string slope : {"nan", "-nan", "inf", "-1", "11"})
+    expect_usage_error("analyze", {"plan", "a", "--slope", slope});
+}
+
 class ProgramInput : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (temporary_.path() / name).string(); }
