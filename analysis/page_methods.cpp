@@ -129,13 +129,13 @@ std::size_t count_measured_references(const Report& report) {
 }
 
 std::string format_interval(const Interval& interval) {
-  return fmt::format("{:.2f} to {:.2f}", interval.lower, interval.upper);
+  return fmt::format(R"(<span class="key">{:.2f} to {:.2f}</span>)", interval.lower, interval.upper);
 }
 
 std::vector<std::string> cell_fields(Experiment experiment, const Cell& cell, const Count& count,
                                      const CellEstimate& estimate) {
   return {format_experiment(experiment),
-          escape_xml(format_key(cell)),
+          fmt::format(R"(<span class="key">{}</span>)", escape_xml(format_key(cell))),
           is_flagged(count) ? "&#9679;" : "",
           fmt::format("{}", count.k),
           fmt::format("{}", count.n),
