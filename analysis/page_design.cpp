@@ -372,6 +372,33 @@ Table list_facts(const Report& report, const std::vector<Participation>& all) {
   return table;
 }
 
+std::string format_spread(const Spread& spread) {
+  if (spread.measured == 0) return kDash;
+  return fmt::format("{} (of {}){}", spread.largest, spread.measured,
+                     spread.over == 0 ? "" : fmt::format(", over one in {}", spread.over));
+}
+
+std::vector<std::string> balance_row(const Balance& balance, Experiment experiment) {
+  return {format_experiment(experiment), format_spread(balance.sessions), format_spread(balance.cells),
+          balance.most_answers == 0 ? kDash : fmt::format("{}", balance.most_answers)};
+}
+
+// The rule, and beside it what the trials of counted sessions were like.
+std::string format_balance(const Report& report) {
+  const Table table{
+      {"measured in finished sessions", "within a session: largest difference (of sessions)",
+       "of a cell over sessions: largest difference (of cells)", "most answers of a subject to a cell"},
+      {balance_row(report.artifact_balance, Experiment::kArtifact),
+       balance_row(report.material_balance, Experiment::kMaterial)}};
+  return "<p>Forced choice of left or right without a time limit, by rule one answer of a subject to each "
+         "picture condition, a cell. Side and view of the VPL picture are balanced together: by rule counts "
+         "of the four combinations differ by at most one within a session, and for each cell over subjects "
+         "in their order. The order of trials is drawn anew for each session.</p>\n" +
+         format_html_table(table, 1) +
+         "<p class=\"note\">From <code>test_key</code> and <code>test_side</code> of the main trials; "
+         "<code>report.json</code> has it as <code>balance</code>.</p>\n";
+}
+
 std::string format_overlap(const Report& report) {
   const std::size_t artifact = count_participants(report.evidence.artifact),
                     material = count_participants(report.evidence.material);
@@ -423,15 +450,7 @@ std::string format_design(const Report& report) {
                  format_trials(report.evidence.material)},
                 {"subjects", format_subjects_count(report, Experiment::kArtifact),
                  format_subjects_count(report, Experiment::kMaterial)}};
-  return format_html_table(table, 99) +
-         "<p>Forced choice of left or right without a time limit, one answer of a subject to each picture "
-         "condition. "
-         "Side and view of the VPL picture are balanced together: counts of the four combinations differ by "
-         "at most "
-         "one within a session, and for each condition over subjects in their order. The order of trials is "
-         "drawn "
-         "anew for each session.</p>\n" +
-         format_protocol(report);
+  return format_html_table(table, 99) + format_balance(report) + format_protocol(report);
 }
 
 std::string format_participation(const Report& report) {

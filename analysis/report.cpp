@@ -232,6 +232,19 @@ void warn_of_protocols(Report& report) {
                   protocols.size()));
 }
 
+void warn_of_balance(Report& report, const Balance& balance, Experiment experiment) {
+  const Spread &sessions = balance.sessions, &cells = balance.cells;
+  if (sessions.over == 0 && cells.over == 0) return;
+  report.warnings.push_back(fmt::format(
+      "Sides and views of the test pictures of the {} experiment are less balanced than the rule has them: "
+      "counts of the four combinations differ by more than {} in {} of {} sessions (by {} at most), and of "
+      "{} "
+      "of {} cells over sessions (by {} at most). Subjects left out, and logs added up, leave such gaps in "
+      "cells; in a session nothing should.",
+      format_experiment(experiment), kBalanceAllows, sessions.over, sessions.measured, sessions.largest,
+      cells.over, cells.measured, cells.largest));
+}
+
 std::vector<std::int64_t> find_marked(const SubjectsReport& subjects) {
   std::vector<std::int64_t> marked;
   for (const SubjectFinding& finding : subjects.sessions) {
@@ -380,10 +393,14 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   report.truth = std::move(sources.truth);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
+  report.artifact_balance = find_balance(report.evidence.artifact);
+  report.material_balance = find_balance(report.evidence.material);
   add_uncertainty(report);
   report.warnings = warnings;
   warn_of_uneven_cells(report, report.artifact, Experiment::kArtifact);
   warn_of_uneven_cells(report, report.material, Experiment::kMaterial);
+  warn_of_balance(report, report.artifact_balance, Experiment::kArtifact);
+  warn_of_balance(report, report.material_balance, Experiment::kMaterial);
   warn_of_left_out(report, report.evidence.artifact, Experiment::kArtifact);
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
   warn_of_withdrawn(report);

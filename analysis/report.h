@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/balance.h"
 #include "analysis/cell_statistics.h"
 #include "analysis/equivalence.h"
 #include "analysis/evidence.h"
@@ -65,6 +66,8 @@ struct Report {
   std::vector<Trend> trends;  ///< under `rule`
   SubjectsReport artifact_subjects;
   SubjectsReport material_subjects;
+  Balance artifact_balance;
+  Balance material_balance;
   /// Columns whose verdict under `rule` would be another without the marked sessions.
   std::vector<Column> flipped_without_marked;
   std::vector<FolderSelection> selections = {};  ///< as ReportSources::selections

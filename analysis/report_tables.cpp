@@ -251,7 +251,20 @@ Json make_values_json(const ExperimentEvidence& evidence, const auto& value_of) 
   return make_json(std::vector<std::string>(values.begin(), values.end()));
 }
 
-Json make_experiment_json(const ExperimentEvidence& evidence) {
+Json make_spread_json(const Spread& spread) {
+  Json json;
+  json.set("measured", spread.measured).set("largest_difference", spread.largest);
+  return json.set("over", spread.over);
+}
+
+Json make_balance_json(const Balance& balance) {
+  Json json;
+  json.set("sessions", make_spread_json(balance.sessions)).set("cells", make_spread_json(balance.cells));
+  json.set("allowed_difference", kBalanceAllows);
+  return json.set("most_answers_of_a_subject_to_a_cell", balance.most_answers);
+}
+
+Json make_experiment_json(const ExperimentEvidence& evidence, const Balance& balance) {
   Json json;
   json.set("finished_sessions", evidence.finished.size()).set("unfinished_sessions", evidence.unfinished);
   json.set("answers", evidence.answers.size()).set("answers_digest", evidence.digest);
@@ -265,6 +278,7 @@ Json make_experiment_json(const ExperimentEvidence& evidence) {
   add("protocol_digests", &SessionDigests::protocol);
   json.set("session_programs",
            make_values_json(evidence, [](const SessionRow& row) { return row.program_version; }));
+  json.set("balance", make_balance_json(balance));
   json.set("participation", make_participation_json(find_participation(evidence)));
   return json.set("session_seeds", make_values_json(evidence, [](const SessionRow& row) {
                     return fmt::format("{}", row.seed);
@@ -286,8 +300,8 @@ Json make_study_json(const Report& report) {
   json.set("name", report.study.name).set("digest", report.study.digest);
   json.set("kind", format_kind(report.evidence.kind)).set("rule", format_rule(report.rule));
   json.set("folders", make_json(report.folders)).set("warnings", make_json(report.warnings));
-  json.set("artifact", make_experiment_json(report.evidence.artifact));
-  json.set("material", make_experiment_json(report.evidence.material));
+  json.set("artifact", make_experiment_json(report.evidence.artifact, report.artifact_balance));
+  json.set("material", make_experiment_json(report.evidence.material, report.material_balance));
   json.set("withdrawn", report.evidence.withdrawn);
   if (report.selection && report.selections.empty())
     json.set("selection_digest", digest_selection(*report.selection));

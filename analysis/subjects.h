@@ -10,6 +10,8 @@
 
 namespace equilux {
 
+inline constexpr std::size_t kComboCount = 4;  ///< of view and side of the test picture
+
 /// A session in numbers, finished or not. Counts are of trials of the main phase that were answered.
 struct SessionSummary {
   std::int64_t session = 0;  ///< AnswerRow::session
@@ -30,6 +32,9 @@ struct SessionSummary {
   std::optional<double> median_response_s;  ///< from onset to press
   std::optional<double> first_half_s;       ///< median of the first half
   std::optional<double> second_half_s;      ///< median of the rest
+  /// View (high bit) and side (low bit: right) of the test picture of each main trial, in order of trial, as
+  /// the session's answers are; empty where a view is not known.
+  std::vector<std::uint8_t> combos;
 };
 
 SessionSummary summarise_session(const SessionRow& session, const std::vector<TrialRow>& trials);
