@@ -102,6 +102,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "side, fast, catch, disagrees: look twice; the session counts all the same"},
     {"subjects.csv", "abort_reason", "string",
      "why the session was ended early, as the experimenter wrote it; empty otherwise"},
+    {"subjects.csv", "language", "string",
+     "language of the texts that the subject read, as the session recorded it; empty where it did not"},
     {"subjects.csv", "turns_paper", "string",
      "columns whose verdict is another without this person, in all sessions of both experiments; of a person "
      "who has several it stands at one, of the artifact experiment if there is one"},

@@ -157,6 +157,26 @@ std::string describe_material_pictures(const Study& study) {
           : "the lower reference from one view, the upper one and the VPL picture from the other");
 }
 
+std::string format_prompt(const std::string& prompt) { return "&ldquo;" + escape_xml(prompt) + "&rdquo;"; }
+
+// The question in each language that sessions recorded; where none did, the one that is built in.
+std::string describe_question(const Report& report, Experiment experiment) {
+  const Prompts& prompts =
+      experiment == Experiment::kArtifact ? report.artifact_prompts : report.material_prompts;
+  std::vector<std::string> parts;
+  for (const auto& [language, sessions] : count_languages(report.evidence.of(experiment))) {
+    if (language.empty()) continue;
+    const auto found = prompts.find(language);
+    if (found == prompts.end() || found->second.empty()) {
+      parts.push_back(fmt::format("in {}: the texts are not at hand", escape_xml(language)));
+      continue;
+    }
+    for (const std::string& prompt : found->second)
+      parts.push_back(fmt::format("{} ({})", format_prompt(prompt), escape_xml(language)));
+  }
+  return parts.empty() ? format_prompt(prompt_of(experiment)) : fmt::format("{}", fmt::join(parts, "; "));
+}
+
 // A token as words.
 std::string format_words(std::string token) {
   std::replace(token.begin(), token.end(), '_', ' ');
@@ -296,7 +316,8 @@ struct FactRow {
   const char* words;
 };
 
-constexpr FactRow kCountRows[] = {{"consent_version", "consent text, version"},
+constexpr FactRow kCountRows[] = {{"language", "language of the texts"},
+                                  {"consent_version", "consent text, version"},
                                   {"age_band", "age band"},
                                   {"acuity", "acuity, as told"},
                                   {"colour_vision", "colour vision, as told"},
@@ -442,8 +463,8 @@ std::string format_levels_table(const Report& report) {
 std::string format_design(const Report& report) {
   const Study& study = report.study;
   Table table{{"", "artifact experiment", "material experiment"}, {}};
-  table.rows = {{"question", "&ldquo;" + escape_xml(prompt_of(Experiment::kArtifact)) + "&rdquo;",
-                 "&ldquo;" + escape_xml(prompt_of(Experiment::kMaterial)) + "&rdquo;"},
+  table.rows = {{"question", describe_question(report, Experiment::kArtifact),
+                 describe_question(report, Experiment::kMaterial)},
                 {"pictures", describe_artifact_pictures(study), describe_material_pictures(study)},
                 {"levels", describe_windows(report), describe_selection(report)},
                 {"counted trials a session", format_trials(report.evidence.artifact),

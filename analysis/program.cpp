@@ -122,6 +122,10 @@ bool has_answers(const FolderReading& reading) {
 
 void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
   reading.sources = load_sources(folder, reading.study, reading.evidence->kind);
+  reading.sources.artifact_prompts =
+      load_prompts(folder.root, reading.evidence->artifact, Experiment::kArtifact);
+  reading.sources.material_prompts =
+      load_prompts(folder.root, reading.evidence->material, Experiment::kMaterial);
   reading.warnings = find_source_warnings(reading.study, *reading.evidence, reading.sources);
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
   if (params.verify && has_answers(reading)) refuse_findings(findings, folder);

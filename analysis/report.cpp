@@ -199,6 +199,10 @@ void warn_of_windows(std::vector<std::string>& warnings, const std::vector<PoolP
                   list_folders(folders)));
 }
 
+void pool_prompts(Prompts& all, const Prompts& part) {
+  for (const auto& [language, prompts] : part) all[language].insert(prompts.begin(), prompts.end());
+}
+
 // What all folders have alike.
 template <typename T>
 void pool_if_same(std::optional<T>& all, const std::optional<T>& part) {
@@ -243,6 +247,20 @@ void warn_of_balance(Report& report, const Balance& balance, Experiment experime
       "cells; in a session nothing should.",
       format_experiment(experiment), kBalanceAllows, sessions.over, sessions.measured, sessions.largest,
       cells.over, cells.measured, cells.largest));
+}
+
+void warn_of_languages(Report& report) {
+  std::map<std::string, std::size_t> languages = count_languages(report.evidence.artifact);
+  for (const auto& [language, sessions] : count_languages(report.evidence.material))
+    languages[language] += sessions;
+  languages.erase("");
+  if (languages.size() < 2) return;
+  std::vector<std::string> parts;
+  for (const auto& [language, sessions] : languages)
+    parts.push_back(fmt::format("{} {}", language, sessions));
+  report.warnings.push_back(
+      fmt::format("The finished sessions were held in {} languages ({}): subjects read different questions.",
+                  languages.size(), fmt::join(parts, ", ")));
 }
 
 std::vector<std::int64_t> find_marked(const SubjectsReport& subjects) {
@@ -364,6 +382,8 @@ ReportSources pool_sources(std::vector<ReportSources> parts, const std::vector<s
     if (!are_same_pictures(all.manifest, part.manifest)) all.manifest.reset();
     pool_if_same(all.protocol, part.protocol);
     pool_if_same(all.truth, part.truth);
+    pool_prompts(all.artifact_prompts, part.artifact_prompts);
+    pool_prompts(all.material_prompts, part.material_prompts);
     for (ConvergenceExhibit& exhibit : part.convergences) all.convergences.push_back(std::move(exhibit));
   }
   return all;
@@ -391,6 +411,8 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   report.convergences = std::move(sources.convergences);
   report.protocol = std::move(sources.protocol);
   report.truth = std::move(sources.truth);
+  report.artifact_prompts = std::move(sources.artifact_prompts);
+  report.material_prompts = std::move(sources.material_prompts);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
   report.artifact_balance = find_balance(report.evidence.artifact);
@@ -405,6 +427,7 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
   warn_of_withdrawn(report);
   warn_of_protocols(report);
+  warn_of_languages(report);
   return report;
 }
 

@@ -139,6 +139,7 @@ Row subject_row(const Report& report, Experiment experiment, const SubjectFindin
           format_number(finding.agreement),
           format_marks(finding.marks),
           s.abort_reason.value_or(""),
+          s.language,
           format_turned(report, experiment, s.session, Rule::kPaper),
           format_turned(report, experiment, s.session, Rule::kIsotonic)};
 }
@@ -148,11 +149,12 @@ const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
 }
 
 Table make_subjects(const std::vector<Report>& reports) {
-  Table table{{"study",    "experiment",   "session",       "participant",    "folder",     "subject_index",
-               "complete", "scheduled",    "answered",      "correct",        "left",       "p_side",
-               "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass", "agreement",
-               "marks",    "abort_reason", "turns_paper",   "turns_isotonic"},
-              {}};
+  Table table{
+      {"study",    "experiment",   "session",       "participant",    "folder",        "subject_index",
+       "complete", "scheduled",    "answered",      "correct",        "left",          "p_side",
+       "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass",    "agreement",
+       "marks",    "abort_reason", "language",      "turns_paper",    "turns_isotonic"},
+      {}};
   for (const Report& report : reports) {
     for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
       for (const SubjectFinding& finding : subjects_of(report, experiment).sessions)

@@ -186,6 +186,8 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Tr
   SessionSummary summary;
   summary.session = session.id;
   summary.participant = session.participant;
+  if (const auto language = session.fields.find("language"); language != session.fields.end())
+    summary.language = language->second;
   summary.subject_index = session.subject_index;
   summary.complete = session.complete;
   std::vector<const TrialRow*> main;

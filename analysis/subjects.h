@@ -17,6 +17,7 @@ struct SessionSummary {
   std::int64_t session = 0;  ///< AnswerRow::session
   std::string participant;   ///< code
   std::string folder;        ///< study folder of its log; empty where there is only one
+  std::string language;      ///< of the texts; empty where it was not recorded
   std::int64_t subject_index = 0;
   bool complete = false;
   std::int64_t scheduled = 0;
