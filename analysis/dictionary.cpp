@@ -50,8 +50,11 @@ constexpr DictionaryEntry kDictionary[] = {
      "levels that the rule keeps for the material experiment, without answers"},
     {"thresholds.csv", "cut_lower", "string",
      "least clamped end of the 95 % range of cuts when subjects are drawn again; none: no level; one that is "
-     "more clamped than all that were tested: it or more clamped"},
-    {"thresholds.csv", "cut_upper", "string", "most clamped end of it; none: no level"},
+     "more clamped than all that were tested: it or more clamped. Holds the truth less often than it says "
+     "where several proportions lie just below the "
+     "cut: 80.0 % (artifact), 84.7 % (material) in simulated studies"},
+    {"thresholds.csv", "cut_upper", "string",
+     "most clamped end of it; none: no level. Holds what cut_lower says"},
     {"ee.csv", "ee_paper", "boolean",
      "whether some clamp level is free of artifacts and of the same material"},
     {"ee.csv", "ee_isotonic", "boolean", "the same under the rule isotonic"},
@@ -125,8 +128,10 @@ constexpr DictionaryEntry kDictionary[] = {
     {"trends.csv", "lost", "integer", "pairs with EE at the earlier level only"},
     {"trends.csv", "effect", "number", "(gained - lost) / pairs"},
     {"trends.csv", "lower", "number",
-     "lower end of its 95 % interval: the effect less the farther end when subjects are drawn again"},
-    {"trends.csv", "upper", "number", "upper end of it"},
+     "lower end of its 95 % interval: the effect less the farther end when subjects are drawn again. "
+     "Holds the truth less often than it says of a trend that turns every verdict and is seen over two "
+     "levels: 80.0 % (paper), 91.3 % (isotonic) in simulated studies"},
+    {"trends.csv", "upper", "number", "upper end of it; holds what lower says"},
     {"trends.csv", "p", "number", "two-sided exact p: EE permuted within strata"},
     {"trends.csv", "p_least", "number", "the least p that any verdicts of these columns could give"},
     {"trends.csv", "p_holm", "number", "the same after Holm, over the trends of the study"},
