@@ -8,6 +8,7 @@
 #include "analysis/markup.h"
 #include "analysis/order_draws.h"
 #include "analysis/page_sections.h"
+#include "analysis/participation.h"
 #include "analysis/probability.h"
 #include "analysis/tables.h"
 #include "base/version.h"
@@ -43,6 +44,7 @@ std::vector<std::string> answered_row(const Report& report, Experiment experimen
   const ExperimentEvidence& evidence = report.evidence.of(experiment);
   return {format_experiment(experiment),
           fmt::format("{}", evidence.finished.size()),
+          fmt::format("{}", count_participants(evidence)),
           fmt::format("{}", evidence.unfinished),
           fmt::format("{}", count_answers(tally)),
           fmt::format("{} of {}", count_tested(tally), tally.size()),
@@ -222,8 +224,8 @@ std::string format_asked(const Report& report) {
 }
 
 std::string format_answered(const Report& report) {
-  Table table{{"experiment", "finished sessions", "unfinished, left out", "answers", "cells tested",
-               "answers per cell"},
+  Table table{{"experiment", "finished sessions", "of so many codes", "unfinished, left out", "answers",
+               "cells tested", "answers per cell"},
               {}};
   for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     table.rows.push_back(answered_row(report, experiment));

@@ -197,19 +197,35 @@ std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
   return readings;
 }
 
+std::string list_first(const std::vector<std::string>& names) {
+  constexpr std::size_t kListed = 5;
+  const auto shown = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kListed));
+  const std::string list = fmt::format("{}", fmt::join(names.begin(), shown, ", "));
+  return names.size() > kListed ? fmt::format("{} and {} more", list, names.size() - kListed) : list;
+}
+
 // In one log nobody finishes an experiment twice.
-void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment,
+void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment, SubjectKind kind,
                        std::vector<std::string>& warnings) {
-  std::map<std::string, int> finished;
+  std::map<std::string, std::size_t> finished;
   for (const SessionRow& row : evidence.finished) ++finished[row.participant];
+  finished.erase("");
+  std::vector<std::string> repeaters;
   for (const auto& [participant, count] : finished) {
-    if (count > 1)
-      warnings.push_back(
-          fmt::format("Participant {} finished the {} experiment {} times, in different "
-                      "logs; if that is one person, {} answers each pair more than once. Intervals and "
-                      "leaving out take the sessions of a code for one subject, tallies do not",
-                      participant, format_experiment(experiment), count, participant));
+    if (count > 1) repeaters.push_back(fmt::format("{} ({} times)", participant, count));
   }
+  if (repeaters.empty()) return;
+  warnings.push_back(fmt::format(
+      "{} finished the {} experiment more than once, in different logs: {}. The {} sessions are of {} codes. "
+      "One subject each are the sessions of a code for what draws subjects again or leaves them out: ranges "
+      "of cuts, resampled EE, intervals of trends, verdicts turned by one, the order effect. Each session "
+      "counts as another subject in k and n, and so in flags, cuts, verdicts, intervals of cells "
+      "(Clopper-Pearson, Jeffreys), p, q, posteriors and what is supported: if a code is one {}, those are "
+      "too "
+      "sure of themselves.",
+      kind == SubjectKind::kPerson ? "Participants" : "Simulated subjects of one code",
+      format_experiment(experiment), list_first(repeaters), evidence.finished.size(), finished.size(),
+      kind == SubjectKind::kPerson ? "person" : "subject"));
 }
 
 // What stands beside answers that are counted; a folder without any has no say.
@@ -246,10 +262,8 @@ Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& p
     evidence.push_back(std::move(*reading.evidence));
   }
   Evidence pool = pool_evidence(std::move(evidence), names);
-  if (pool.kind == SubjectKind::kPerson) {
-    warn_of_repeaters(pool.artifact, Experiment::kArtifact, warnings);
-    warn_of_repeaters(pool.material, Experiment::kMaterial, warnings);
-  }
+  warn_of_repeaters(pool.artifact, Experiment::kArtifact, pool.kind, warnings);
+  warn_of_repeaters(pool.material, Experiment::kMaterial, pool.kind, warnings);
   Report report = make_pooled_report(readings.front().study, std::move(pool), params.rule, std::move(sources),
                                      params.uncertainty, warnings);
   if (names.size() > 1) report.folders = names;

@@ -269,6 +269,7 @@ Json make_balance_json(const Balance& balance) {
 Json make_experiment_json(const ExperimentEvidence& evidence, const Balance& balance) {
   Json json;
   json.set("finished_sessions", evidence.finished.size()).set("unfinished_sessions", evidence.unfinished);
+  json.set("participants", count_participants(evidence));
   json.set("answers", evidence.answers.size()).set("answers_digest", evidence.digest);
   const auto add = [&](const char* name, std::string SessionDigests::*member) {
     json.set(name, make_values_json(evidence, [&](const SessionRow& row) { return row.digests.*member; }));

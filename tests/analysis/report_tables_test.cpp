@@ -251,11 +251,31 @@ TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
   std::vector<std::string> repeaters;
   const auto reports = load_reports(params);
   for (const std::string& warning : reports[0].warnings) {
-    if (warning.starts_with("Participant ")) repeaters.push_back(warning);
+    if (warning.starts_with("Participants ")) repeaters.push_back(warning);
   }
   ASSERT_EQ(repeaters.size(), 1u);
-  EXPECT_TRUE(repeaters[0].starts_with("Participant P0 finished the artifact experiment 2 times"))
+  EXPECT_TRUE(
+      repeaters[0].starts_with("Participants finished the artifact experiment more than once, in "
+                               "different logs: P0 (2 times). The 3 sessions are of 2 codes."))
       << repeaters[0];
+  for (const char* named : {"ranges of cuts", "order effect", "Clopper-Pearson, Jeffreys", "supported"})
+    EXPECT_NE(repeaters[0].find(named), std::string::npos) << named;
+  EXPECT_NE(format_page(reports).find("<td>artifact</td><td class=\"number\">3</td><td class=\"number\">2<"),
+            std::string::npos);
+}
+
+TEST_F(Folders, with_planted_subjects_of_equal_codes_warn_too) {
+  std::string warnings;
+  const auto reports = load({"a", "b"});
+  for (const std::string& warning : reports[0].warnings) warnings += warning + "\n";
+  EXPECT_NE(
+      warnings.find("Simulated subjects of one code finished the material experiment more than once, in "
+                    "different logs: P0 (2 times), P1 (2 times), P2 (2 times), P3 (2 times), P4 (2 "
+                    "times). The 19 sessions are of 14 codes."),
+      std::string::npos)
+      << warnings;
+  EXPECT_NE(warnings.find("P4 (2 times) and 2 more. The 19 sessions are of 12 codes."), std::string::npos)
+      << warnings;
 }
 
 // Folder c, whose only subject gave up: alone it is refused, in a pool it says that it has nothing to count.
