@@ -22,11 +22,14 @@ std::set<std::string> digests_of(const std::vector<SessionRow>& sessions,
   return digests;
 }
 
-void warn_of_digests(std::vector<std::string>& warnings, const std::vector<SessionRow>& sessions,
+void warn_of_digests(std::vector<std::string>& warnings, const Evidence& evidence, Experiment experiment,
                      std::string SessionDigests::*member, const std::string& now, const std::string& what) {
-  const auto used = digests_of(sessions, member);
-  if (used.empty() || used == std::set<std::string>{now}) return;
-  warnings.push_back(fmt::format("Some sessions used {} other than the one in the folder now ({}...).", what,
+  const auto& sessions = evidence.of(experiment).finished;
+  const auto others = std::count_if(sessions.begin(), sessions.end(),
+                                    [&](const SessionRow& row) { return row.digests.*member != now; });
+  if (others == 0) return;
+  warnings.push_back(fmt::format("Of {} {} sessions {} used {} other than the one in the folder now ({}...).",
+                                 sessions.size(), format_experiment(experiment), others, what,
                                  now.substr(0, 12)));
 }
 
@@ -40,8 +43,8 @@ void warn_of_selection(std::vector<std::string>& warnings, const Evidence& evide
         format_kind(evidence.kind)));
     return;
   }
-  warn_of_digests(warnings, sessions, &SessionDigests::selection, digest_selection(*selection),
-                  "a selection");
+  warn_of_digests(warnings, evidence, Experiment::kMaterial, &SessionDigests::selection,
+                  digest_selection(*selection), "a selection");
   if (selection->answers_digest != evidence.artifact.digest) {
     warnings.push_back(
         "The selection was pruned from other artifact answers than those counted here: artifact sessions "
@@ -349,12 +352,12 @@ std::vector<std::string> find_source_warnings(const Study& study, const Evidence
                                    exhibit.convergence.condition, exhibit.convergence.source));
   }
   if (sources.windows) {
-    warn_of_digests(warnings, evidence.artifact.finished, &SessionDigests::windows, sources.windows->digest,
-                    "a windows.json");
+    warn_of_digests(warnings, evidence, Experiment::kArtifact, &SessionDigests::windows,
+                    sources.windows->digest, "a windows.json");
   }
-  for (const ExperimentEvidence* experiment : {&evidence.artifact, &evidence.material}) {
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     if (sources.protocol)
-      warn_of_digests(warnings, experiment->finished, &SessionDigests::protocol, sources.protocol->digest,
+      warn_of_digests(warnings, evidence, experiment, &SessionDigests::protocol, sources.protocol->digest,
                       "a session.json");
   }
   warn_of_selection(warnings, evidence, sources.selection);

@@ -207,8 +207,9 @@ TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and
   EXPECT_EQ(report.evidence.withdrawn, 1);
   std::string warnings;
   for (const std::string& warning : report.warnings) warnings += warning + "\n";
-  for (const char* part : {"Withdrawals that the logs record: 1", "followed 2 session protocols",
-                           "a session.json other than the one in the folder"})
+  for (const char* part :
+       {"Withdrawals that the logs record: 1", "followed 2 session protocols",
+        "Of 2 artifact sessions 1 used a session.json other than the one in the folder now"})
     EXPECT_NE(warnings.find(part), std::string::npos) << part << " in\n" << warnings;
   const std::string page = format_page({report});
   EXPECT_NE(page.find("ended early (felt ill), left out"), std::string::npos);
