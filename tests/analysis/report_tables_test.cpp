@@ -2,10 +2,12 @@
 // files.
 #include "analysis/report_tables.h"
 
+#include <chrono>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#include <thread>
 
 #include "analysis/answers_export.h"
 #include "analysis/figure.h"
@@ -429,6 +431,20 @@ TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {
   EXPECT_TRUE(files.at("figure-pocket-ind.pdf").starts_with("%PDF"));
   for (const char* word : {"G0 MS", "G2 GS", "100k", "C10"})
     EXPECT_NE(files.at("figure-pocket-ind.svg").find(word), std::string::npos) << word;
+}
+
+// A second and more between them, which a time of day would show.
+TEST_F(Folders, reported_twice_give_the_same_bytes_in_every_file) {
+  AnalyzeParams params = make_params({temporary_ / "a"}, temporary_ / "one");
+  params.plot = true;
+  ASSERT_EQ(run_report(params), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  params.out = temporary_ / "two";
+  ASSERT_EQ(run_report(params), 0);
+  const auto one = read_files(temporary_ / "one"), two = read_files(temporary_ / "two");
+  ASSERT_EQ(one.size(), two.size());
+  EXPECT_TRUE(one.contains("figure-pocket-ind.pdf") && one.contains(kReportList));
+  for (const auto& [name, bytes] : one) EXPECT_TRUE(bytes == two.at(name)) << name;
 }
 
 TEST_F(Folders, exported_again_replace_other_answers_only_when_told_to) {
