@@ -379,14 +379,16 @@ int run_plan(const std::filesystem::path& source, const SubjectPlanParams& param
   const Study study =
       std::filesystem::is_directory(source) ? load_folder_study(StudyFolder{source}) : load_study(source);
   const Truth truth = load_truth(study.truth_path, study);
-  const auto rows = simulate_plan(study, truth, load_windows(study.windows_path, study), params);
+  const Windows windows = load_windows(study.windows_path, study);
+  const auto rows = simulate_plan(study, truth, windows, params);
   fmt::print(
       "study {}: {} simulated studies for each number, rule {}, slope {} levels, lapse rate {}, seed {}\n{}",
       study.name, params.studies, format_rule(params.rule), params.slope, truth.lapse_rate, params.seed,
       format_plan(rows, find_true_width(study, truth)));
   if (out.empty()) return kExitOk;
-  write_plan(rows, out);
-  fmt::print("wrote plan.csv, plan.svg and plan.pdf to {}\n", out.string());
+  write_plan(rows, make_plan_json(study, truth, windows, params, rows), out);
+  fmt::print("wrote plan.csv, plan.csv-metadata.json, plan.json, plan.svg and plan.pdf to {}\n",
+             out.string());
   return kExitOk;
 }
 

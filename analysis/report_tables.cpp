@@ -231,20 +231,6 @@ Json make_value(const std::string& text, std::string_view datatype) {
   return std::stod(text);
 }
 
-// One object for each row, typed by the dictionary.
-Json make_rows_json(const ReportTable& table) {
-  std::vector<const DictionaryEntry*> entries;
-  for (const std::string& column : table.table.columns) entries.push_back(&find_entry(table.file, column));
-  Json rows{Json::Array{}};
-  for (const Row& row : table.table.rows) {
-    Json object;
-    for (std::size_t i = 0; i < row.size(); ++i)
-      object.set(table.table.columns[i], make_value(row[i], entries[i]->datatype));
-    rows.push(std::move(object));
-  }
-  return rows;
-}
-
 // What finished sessions say of one thing, each value once, sorted; not where they say nothing.
 Json make_values_json(const ExperimentEvidence& evidence, const auto& value_of) {
   std::set<std::string> values;
@@ -320,6 +306,19 @@ std::vector<ReportTable> make_report_tables(const std::vector<Report>& reports) 
   return {{"cells.csv", stack(reports, make_cells)}, {"thresholds.csv", stack(reports, make_thresholds)},
           {"ee.csv", stack(reports, make_ee)},       {"subjects.csv", make_subjects(reports)},
           {"order.csv", make_order(reports)},        {"trends.csv", make_trends(reports)}};
+}
+
+Json make_rows_json(const ReportTable& table) {
+  std::vector<const DictionaryEntry*> entries;
+  for (const std::string& column : table.table.columns) entries.push_back(&find_entry(table.file, column));
+  Json rows{Json::Array{}};
+  for (const Row& row : table.table.rows) {
+    Json object;
+    for (std::size_t i = 0; i < row.size(); ++i)
+      object.set(table.table.columns[i], make_value(row[i], entries[i]->datatype));
+    rows.push(std::move(object));
+  }
+  return rows;
 }
 
 Json make_report_json(const std::vector<Report>& reports) {
