@@ -8,7 +8,7 @@ packages_build=(cmake ninja-build g++ pkg-config
   gnuplot-nox libglfw3-dev libimgui-dev libgl-dev libx11-dev libgl1-mesa-dri fonts-dejavu-core)
 # What the tests need beside it.
 packages_test=(libgtest-dev libgmock-dev libxtst-dev xvfb clang-format git munge openimageio-tools pfstmo python3 slurm-wlm
-  r-base-core r-cran-lme4 r-cran-psyphy chromium)
+  r-base-core r-cran-lme4 r-cran-psyphy chromium poppler-utils)
 
 say() { printf '\n== %s\n' "$*"; }
 

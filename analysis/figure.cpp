@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string_view>
 
 #include "analysis/tables.h"
 #include "base/error.h"
@@ -139,6 +140,19 @@ class DrawingFolder {
   std::filesystem::path path_;
 };
 
+// The same plot is the same bytes: cairo writes the time of day into a PDF's information, which need not have
+// it. Blanked, so that every other byte stays where the PDF's table says it is.
+void blank_creation_date(const std::filesystem::path& file) {
+  constexpr std::string_view kDate = "/CreationDate (";
+  std::string bytes = load_text(file);
+  const std::size_t begin = bytes.starts_with("%PDF") ? bytes.rfind(kDate) : std::string::npos;
+  const std::size_t end = begin == std::string::npos ? begin : bytes.find(')', begin);
+  if (end == std::string::npos) return;
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(begin),
+            bytes.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
+  save_text(file, bytes);
+}
+
 }  // namespace
 
 std::vector<Figure> make_figures(const std::vector<Report>& reports) {
@@ -189,6 +203,7 @@ void draw_plot(const std::filesystem::path& file,
     }
     if (status != 0)
       throw StoreError(fmt::format("{}: cannot draw: gnuplot ended with status {}", file.string(), status));
+    blank_creation_date(part);
   });
 }
 

@@ -119,10 +119,15 @@ void add_plan(CLI::App& app, Options& options) {
   plan->add_option("--rule", options.rule, "What decides where a column is not monotone")
       ->check(CLI::IsMember({"paper", "isotonic"}))
       ->capture_default_str();
-  plan->add_option("--subjects", options.plan.subjects, "Numbers of subjects in each experiment")
+  plan->add_option("--subjects", options.plan.subjects,
+                   "Numbers of subjects, in each experiment unless --material-subjects says other")
       ->delimiter(',')
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
+  plan->add_option("--material-subjects", options.plan.material_subjects,
+                   "Numbers in the material experiment: one, or as many as --subjects (default: the same)")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 10000));
   plan->add_option("--studies", options.plan.studies, "Studies simulated for each number")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -133,7 +138,8 @@ void add_plan(CLI::App& app, Options& options) {
   plan->add_option("--seed", options.plan.seed, "Seed of the simulation")
       ->check(check_seed())
       ->capture_default_str();
-  plan->add_option("--out", options.out, "Folder of plan.csv, plan.svg and plan.pdf (default: none)");
+  plan->add_option("--out", options.out,
+                   "Folder of plan.csv, plan.json, plan.svg and plan.pdf (default: none)");
   plan->footer("Example:\n  equilux-analyze plan protocols/pocket.json --subjects 8,12,16,24");
 }
 

@@ -157,6 +157,26 @@ std::string describe_material_pictures(const Study& study) {
           : "the lower reference from one view, the upper one and the VPL picture from the other");
 }
 
+std::string format_prompt(const std::string& prompt) { return "&ldquo;" + escape_xml(prompt) + "&rdquo;"; }
+
+// The question in each language that sessions recorded; where none did, the one that is built in.
+std::string describe_question(const Report& report, Experiment experiment) {
+  const Prompts& prompts =
+      experiment == Experiment::kArtifact ? report.artifact_prompts : report.material_prompts;
+  std::vector<std::string> parts;
+  for (const auto& [language, sessions] : count_languages(report.evidence.of(experiment))) {
+    if (language.empty()) continue;
+    const auto found = prompts.find(language);
+    if (found == prompts.end() || found->second.empty()) {
+      parts.push_back(fmt::format("in {}: the texts are not at hand", escape_xml(language)));
+      continue;
+    }
+    for (const std::string& prompt : found->second)
+      parts.push_back(fmt::format("{} ({})", format_prompt(prompt), escape_xml(language)));
+  }
+  return parts.empty() ? format_prompt(prompt_of(experiment)) : fmt::format("{}", fmt::join(parts, "; "));
+}
+
 // A token as words.
 std::string format_words(std::string token) {
   std::replace(token.begin(), token.end(), '_', ' ');
@@ -296,7 +316,8 @@ struct FactRow {
   const char* words;
 };
 
-constexpr FactRow kCountRows[] = {{"consent_version", "consent text, version"},
+constexpr FactRow kCountRows[] = {{"language", "language of the texts"},
+                                  {"consent_version", "consent text, version"},
                                   {"age_band", "age band"},
                                   {"acuity", "acuity, as told"},
                                   {"colour_vision", "colour vision, as told"},
@@ -372,6 +393,33 @@ Table list_facts(const Report& report, const std::vector<Participation>& all) {
   return table;
 }
 
+std::string format_spread(const Spread& spread) {
+  if (spread.measured == 0) return kDash;
+  return fmt::format("{} (of {}){}", spread.largest, spread.measured,
+                     spread.over == 0 ? "" : fmt::format(", over one in {}", spread.over));
+}
+
+std::vector<std::string> balance_row(const Balance& balance, Experiment experiment) {
+  return {format_experiment(experiment), format_spread(balance.sessions), format_spread(balance.cells),
+          balance.most_answers == 0 ? kDash : fmt::format("{}", balance.most_answers)};
+}
+
+// The rule, and beside it what the trials of counted sessions were like.
+std::string format_balance(const Report& report) {
+  const Table table{
+      {"measured in finished sessions", "within a session: largest difference (of sessions)",
+       "of a cell over sessions: largest difference (of cells)", "most answers of a subject to a cell"},
+      {balance_row(report.artifact_balance, Experiment::kArtifact),
+       balance_row(report.material_balance, Experiment::kMaterial)}};
+  return "<p>Forced choice of left or right without a time limit, by rule one answer of a subject to each "
+         "picture condition, a cell. Side and view of the VPL picture are balanced together: by rule counts "
+         "of the four combinations differ by at most one within a session, and for each cell over subjects "
+         "in their order. The order of trials is drawn anew for each session.</p>\n" +
+         format_html_table(table, 1) +
+         "<p class=\"note\">From <code>test_key</code> and <code>test_side</code> of the main trials; "
+         "<code>report.json</code> has it as <code>balance</code>.</p>\n";
+}
+
 std::string format_overlap(const Report& report) {
   const std::size_t artifact = count_participants(report.evidence.artifact),
                     material = count_participants(report.evidence.material);
@@ -415,23 +463,15 @@ std::string format_levels_table(const Report& report) {
 std::string format_design(const Report& report) {
   const Study& study = report.study;
   Table table{{"", "artifact experiment", "material experiment"}, {}};
-  table.rows = {{"question", "&ldquo;" + escape_xml(prompt_of(Experiment::kArtifact)) + "&rdquo;",
-                 "&ldquo;" + escape_xml(prompt_of(Experiment::kMaterial)) + "&rdquo;"},
+  table.rows = {{"question", describe_question(report, Experiment::kArtifact),
+                 describe_question(report, Experiment::kMaterial)},
                 {"pictures", describe_artifact_pictures(study), describe_material_pictures(study)},
                 {"levels", describe_windows(report), describe_selection(report)},
                 {"counted trials a session", format_trials(report.evidence.artifact),
                  format_trials(report.evidence.material)},
                 {"subjects", format_subjects_count(report, Experiment::kArtifact),
                  format_subjects_count(report, Experiment::kMaterial)}};
-  return format_html_table(table, 99) +
-         "<p>Forced choice of left or right without a time limit, one answer of a subject to each picture "
-         "condition. "
-         "Side and view of the VPL picture are balanced together: counts of the four combinations differ by "
-         "at most "
-         "one within a session, and for each condition over subjects in their order. The order of trials is "
-         "drawn "
-         "anew for each session.</p>\n" +
-         format_protocol(report);
+  return format_html_table(table, 99) + format_balance(report) + format_protocol(report);
 }
 
 std::string format_participation(const Report& report) {

@@ -8,6 +8,7 @@
 #include "analysis/markup.h"
 #include "analysis/order_draws.h"
 #include "analysis/page_sections.h"
+#include "analysis/participation.h"
 #include "analysis/probability.h"
 #include "analysis/tables.h"
 #include "base/version.h"
@@ -43,6 +44,7 @@ std::vector<std::string> answered_row(const Report& report, Experiment experimen
   const ExperimentEvidence& evidence = report.evidence.of(experiment);
   return {format_experiment(experiment),
           fmt::format("{}", evidence.finished.size()),
+          fmt::format("{}", count_participants(evidence)),
           fmt::format("{}", evidence.unfinished),
           fmt::format("{}", count_answers(tally)),
           fmt::format("{} of {}", count_tested(tally), tally.size()),
@@ -129,13 +131,13 @@ std::size_t count_measured_references(const Report& report) {
 }
 
 std::string format_interval(const Interval& interval) {
-  return fmt::format("{:.2f} to {:.2f}", interval.lower, interval.upper);
+  return fmt::format(R"(<span class="key">{:.2f} to {:.2f}</span>)", interval.lower, interval.upper);
 }
 
 std::vector<std::string> cell_fields(Experiment experiment, const Cell& cell, const Count& count,
                                      const CellEstimate& estimate) {
   return {format_experiment(experiment),
-          escape_xml(format_key(cell)),
+          fmt::format(R"(<span class="key">{}</span>)", escape_xml(format_key(cell))),
           is_flagged(count) ? "&#9679;" : "",
           fmt::format("{}", count.k),
           fmt::format("{}", count.n),
@@ -223,8 +225,8 @@ std::string format_asked(const Report& report) {
 }
 
 std::string format_answered(const Report& report) {
-  Table table{{"experiment", "finished sessions", "unfinished, left out", "answers", "cells tested",
-               "answers per cell"},
+  Table table{{"experiment", "finished sessions", "of so many codes", "unfinished, left out", "answers",
+               "cells tested", "answers per cell"},
               {}};
   for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     table.rows.push_back(answered_row(report, experiment));

@@ -28,7 +28,8 @@ std::vector<std::string> subject_fields(Experiment experiment, const SubjectFind
   const std::int64_t correct = s.first_half.k + s.second_half.k;
   return {
       format_experiment(experiment),
-      escape_xml(s.folder.empty() ? s.participant : s.folder + ": " + s.participant),
+      (s.folder.empty() ? "" : escape_xml(s.folder) + ": ") +
+          fmt::format(R"(<span class="key">{}</span>)", escape_xml(s.participant)),
       format_standing(finding),
       fmt::format("{} of {}", s.answered, s.scheduled),
       s.answered > 0 ? fmt::format("{:.3f}", static_cast<double>(correct) / static_cast<double>(s.answered))

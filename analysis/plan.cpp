@@ -2,15 +2,18 @@
 #include "analysis/plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "analysis/figure.h"
 #include "analysis/probability.h"
 #include "analysis/prune.h"
+#include "analysis/report_tables.h"
 #include "analysis/tables.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/random.h"
+#include "base/version.h"
 
 namespace equilux {
 namespace {
@@ -23,6 +26,8 @@ struct TrueColumn {
   Threshold material_cut;
   int window_first = 0;
 };
+
+constexpr const char* kPlanFile = "plan.csv";
 
 constexpr std::int64_t kExactN = 1'000'000;  ///< a true proportion as k of n
 
@@ -81,16 +86,21 @@ bool is_green(const Threshold& artifact, const Threshold& material, std::size_t 
   return artifact.states[i] == LevelState::kSame && material.states[i] == LevelState::kSame;
 }
 
-void simulate_column(Sums& sums, const TrueColumn& truth, const std::vector<int>& levels, int subjects,
-                     Rule rule, RandomStream& random) {
-  const ColumnCounts artifact = draw_column(truth.artifact, levels, subjects, random, [&](int level) {
-    return level >= truth.window_first && level < truth.window_first + kWindowLevels;
-  });
+// Numbers of subjects in the two experiments.
+struct Numbers {
+  int artifact = 0, material = 0;
+};
+
+void simulate_column(Sums& sums, const TrueColumn& truth, const std::vector<int>& levels,
+                     const Numbers& subjects, Rule rule, RandomStream& random) {
+  const ColumnCounts artifact = draw_column(
+      truth.artifact, levels, subjects.artifact, random,
+      [&](int level) { return level >= truth.window_first && level < truth.window_first + kWindowLevels; });
   const Threshold artifact_cut = find_cut(artifact, Experiment::kArtifact, rule);
   const std::vector<int> kept = keep_levels(artifact_cut, levels);
-  const ColumnCounts material = draw_column(truth.material, levels, subjects, random, [&](int level) {
-    return std::find(kept.begin(), kept.end(), level) != kept.end();
-  });
+  const ColumnCounts material =
+      draw_column(truth.material, levels, subjects.material, random,
+                  [&](int level) { return std::find(kept.begin(), kept.end(), level) != kept.end(); });
   const Threshold material_cut = find_cut(material, Experiment::kMaterial, rule);
   sums.add_flags(artifact, truth.artifact);
   sums.add_flags(material, truth.material);
@@ -109,14 +119,66 @@ void simulate_column(Sums& sums, const TrueColumn& truth, const std::vector<int>
 
 double divide(double a, double b) { return b > 0 ? a / b : 0; }
 
-SubjectPlanRow make_row(int subjects, const Sums& sums) {
-  return {subjects,
-          divide(sums.false_flags, sums.below),
-          divide(sums.hits, sums.above),
-          divide(sums.cuts_right, sums.columns),
-          divide(sums.ee_right, sums.columns),
-          divide(sums.green, sums.columns),
-          divide(sums.supported, sums.columns)};
+// A sum over studies by another, and the error of that: of a ratio, to first order. source: Cochran 1977,
+// Sampling Techniques, section 2.11.
+SimulatedShare find_share(const std::vector<Sums>& studies, double Sums::*part, double Sums::*whole) {
+  double parts = 0, wholes = 0, squares = 0;
+  for (const Sums& study : studies) {
+    parts += study.*part;
+    wholes += study.*whole;
+  }
+  SimulatedShare share{divide(parts, wholes), {}};
+  if (studies.size() < 2 || wholes == 0) return share;
+  for (const Sums& study : studies) {
+    const double residual = study.*part - share.value * (study.*whole);
+    squares += residual * residual;
+  }
+  const auto n = static_cast<double>(studies.size());
+  share.standard_error = std::sqrt(squares * n / (n - 1)) / wholes;
+  return share;
+}
+
+SubjectPlanRow make_row(const Numbers& subjects, const std::vector<Sums>& studies) {
+  return {subjects.artifact,
+          subjects.material,
+          find_share(studies, &Sums::false_flags, &Sums::below),
+          find_share(studies, &Sums::hits, &Sums::above),
+          find_share(studies, &Sums::cuts_right, &Sums::columns),
+          find_share(studies, &Sums::ee_right, &Sums::columns),
+          find_share(studies, &Sums::green, &Sums::columns),
+          find_share(studies, &Sums::supported, &Sums::columns)};
+}
+
+std::vector<Numbers> pair_numbers(const SubjectPlanParams& params) {
+  const std::vector<int>& material = params.material_subjects;
+  if (material.size() > 1 && material.size() != params.subjects.size())
+    throw InputError("--material-subjects", "",
+                     fmt::format("one number, or {} as in --subjects", params.subjects.size()),
+                     fmt::format("{}", material.size()));
+  std::vector<Numbers> numbers;
+  for (std::size_t i = 0; i < params.subjects.size(); ++i) {
+    const int artifact = params.subjects[i];
+    numbers.push_back({artifact, material.empty()       ? artifact
+                                 : material.size() == 1 ? material[0]
+                                                        : material[i]});
+  }
+  return numbers;
+}
+
+// Equal numbers have the stream of one.
+std::string name_stream(const Numbers& subjects) {
+  if (subjects.artifact == subjects.material) return fmt::format("analysis/plan/{}", subjects.artifact);
+  return fmt::format("analysis/plan/{}/{}", subjects.artifact, subjects.material);
+}
+
+bool have_equal_numbers(const std::vector<SubjectPlanRow>& rows) {
+  return std::all_of(rows.begin(), rows.end(),
+                     [](const SubjectPlanRow& row) { return row.subjects == row.material_subjects; });
+}
+
+// In the order of the table's columns.
+std::array<const SimulatedShare*, 6> shares_of(const SubjectPlanRow& row) {
+  return {&row.false_flags, &row.power, &row.cuts_right, &row.ee_right, &row.green_width, &row.supported};
 }
 
 std::vector<TrueColumn> make_true_columns(const Study& study, const Truth& truth, double slope) {
@@ -131,14 +193,15 @@ std::string format_plan_plot(const std::vector<SubjectPlanRow>& rows, FigureForm
   std::string text = format_terminal(format, 900, 420, file);
   text += "$rows << EOD\n";
   for (const SubjectPlanRow& row : rows) {
-    text += fmt::format("{} {} {} {} {} {} {}\n", row.subjects, row.false_flags, row.power, row.cuts_right,
-                        row.ee_right, row.green_width, row.supported);
+    text += fmt::format("{}", row.subjects);
+    for (const SimulatedShare* share : shares_of(row)) text += fmt::format(" {}", share->value);
+    text += "\n";
   }
-  return text + R"(EOD
-set multiplot layout 1,2
+  text += fmt::format("EOD\nset xlabel 'subjects {}'\n",
+                      have_equal_numbers(rows) ? "in each experiment" : "in the artifact experiment");
+  return text + R"(set multiplot layout 1,2
 set border lc rgb '#666666'
 set grid lc rgb '#dddddd'
-set xlabel 'subjects in each experiment'
 set key bottom right
 set yrange [0:1]
 set ylabel 'share'
@@ -171,15 +234,14 @@ std::vector<SubjectPlanRow> simulate_plan(const Study& study, const Truth& truth
   for (std::size_t c = 0; c < names.size(); ++c)
     columns[c].window_first = windows.by_column.at(names[c]).first_level;
   std::vector<SubjectPlanRow> rows;
-  for (const int subjects : params.subjects) {
-    Sums sums;
-    for (int number = 0; number < params.studies; ++number) {
-      RandomStream random(params.seed, fmt::format("analysis/plan/{}", subjects),
-                          static_cast<std::uint64_t>(number));
+  for (const Numbers& subjects : pair_numbers(params)) {
+    std::vector<Sums> studies(static_cast<std::size_t>(params.studies));
+    for (std::size_t number = 0; number < studies.size(); ++number) {
+      RandomStream random(params.seed, name_stream(subjects), number);
       for (const TrueColumn& column : columns)
-        simulate_column(sums, column, study.clamp_levels, subjects, params.rule, random);
+        simulate_column(studies[number], column, study.clamp_levels, subjects, params.rule, random);
     }
-    rows.push_back(make_row(subjects, sums));
+    rows.push_back(make_row(subjects, studies));
   }
   return rows;
 }
@@ -195,29 +257,62 @@ double find_true_width(const Study& study, const Truth& truth) {
 }
 
 Table make_plan_table(const std::vector<SubjectPlanRow>& rows) {
-  Table table{{"subjects", "false_flags", "power", "cuts_right", "ee_right", "green_width", "supported"}, {}};
+  Table table{{"subjects", "material_subjects"}, {}};
+  for (const char* share : {"false_flags", "power", "cuts_right", "ee_right", "green_width", "supported"}) {
+    table.columns.push_back(share);
+    table.columns.push_back(fmt::format("{}_se", share));
+  }
   for (const SubjectPlanRow& row : rows) {
-    table.rows.push_back({fmt::format("{}", row.subjects), format_number(row.false_flags),
-                          format_number(row.power), format_number(row.cuts_right),
-                          format_number(row.ee_right), format_number(row.green_width),
-                          format_number(row.supported)});
+    table.rows.push_back({fmt::format("{}", row.subjects), fmt::format("{}", row.material_subjects)});
+    for (const SimulatedShare* share : shares_of(row)) {
+      table.rows.back().push_back(format_number(share->value));
+      table.rows.back().push_back(format_number(share->standard_error));
+    }
   }
   return table;
 }
 
 std::string format_plan(const std::vector<SubjectPlanRow>& rows, double true_width) {
   std::string text = "subjects  false flags  power  cuts right  EE right  green levels  supported\n";
+  double shares_error = 0, levels_error = 0;
   for (const SubjectPlanRow& row : rows) {
-    text +=
-        fmt::format("{:>8}  {:>11.3f}  {:>5.3f}  {:>10.3f}  {:>8.3f}  {:>12.2f}  {:>9.2f}\n", row.subjects,
-                    row.false_flags, row.power, row.cuts_right, row.ee_right, row.green_width, row.supported);
+    const std::string subjects = row.subjects == row.material_subjects
+                                     ? fmt::format("{}", row.subjects)
+                                     : fmt::format("{}, {}", row.subjects, row.material_subjects);
+    text += fmt::format("{:>8}  {:>11.3f}  {:>5.3f}  {:>10.3f}  {:>8.3f}  {:>12.2f}  {:>9.2f}\n", subjects,
+                        row.false_flags.value, row.power.value, row.cuts_right.value, row.ee_right.value,
+                        row.green_width.value, row.supported.value);
+    for (const auto* share : {&row.false_flags, &row.power, &row.cuts_right, &row.ee_right})
+      shares_error = std::max(shares_error, share->standard_error.value_or(0));
+    for (const auto* levels : {&row.green_width, &row.supported})
+      levels_error = std::max(levels_error, levels->standard_error.value_or(0));
   }
+  if (shares_error > 0)
+    text += fmt::format("standard errors of the simulation: shares at most {:.3f}, levels at most {:.3f}\n",
+                        shares_error, levels_error);
   return text + fmt::format("in truth {:.2f} levels of a column are equivalent\n", true_width);
 }
 
-void write_plan(const std::vector<SubjectPlanRow>& rows, const std::filesystem::path& folder) {
+Json make_plan_json(const Study& study, const Truth& truth, const Windows& windows,
+                    const SubjectPlanParams& params, const std::vector<SubjectPlanRow>& rows) {
+  Json json;
+  json.set("schema", "equilux-plan").set("schema_version", 1);
+  json.set("producer", std::string("equilux-analyze ") + kVersion);
+  json.set("study", study.name).set("study_digest", study.digest);
+  json.set("truth_digest", truth.digest).set("windows_digest", windows.digest);
+  json.set("rule", format_rule(params.rule)).set("slope", params.slope).set("lapse_rate", truth.lapse_rate);
+  json.set("studies", params.studies).set("seed", params.seed).set("flag_percent", kFlagPercent);
+  json.set("support_level", kSupportLevel).set("true_green_width", find_true_width(study, truth));
+  return json.set("rows", make_rows_json({kPlanFile, make_plan_table(rows)}));
+}
+
+void write_plan(const std::vector<SubjectPlanRow>& rows, const Json& json,
+                const std::filesystem::path& folder) {
+  const ReportTable table{kPlanFile, make_plan_table(rows)};
   make_folder(folder);
-  save_text(folder / "plan.csv", format_csv(make_plan_table(rows)));
+  save_text(folder / table.file, format_csv(table.table));
+  save_text(folder / (table.file + "-metadata.json"), format_json(make_csv_metadata({table})));
+  save_text(folder / "plan.json", format_json(json));
   draw_plot(folder / "plan.svg",
             [&](const auto& part) { return format_plan_plot(rows, FigureFormat::kSvg, part); });
   draw_plot(folder / "plan.pdf",

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/csv.h"
 #include "analysis/thresholds.h"
+#include "base/json.h"
 #include "protocols/truth.h"
 #include "protocols/windows.h"
 
@@ -19,17 +21,27 @@ struct SubjectPlanParams {
   double slope = 0.5;
   std::uint64_t seed = 1;
   Rule rule = Rule::kPaper;
+  /// In the material experiment. shape: as `subjects`, or one for all; empty: the same numbers
+  std::vector<int> material_subjects = {};
 };
 
-/// What so many subjects in each experiment give, averaged over studies.
+/// A mean over simulated studies.
+struct SimulatedShare {
+  double value = 0;
+  std::optional<double>
+      standard_error;  ///< Monte Carlo's, of a ratio of sums over studies; empty of one study
+};
+
+/// What so many subjects give, over studies.
 struct SubjectPlanRow {
   int subjects = 0;
-  double false_flags = 0;  ///< share of cells below the cut in truth that are flagged
-  double power = 0;        ///< share of cells at the cut or above in truth that are flagged
-  double cuts_right = 0;   ///< share of columns whose artifact cut is the truth's
-  double ee_right = 0;     ///< share of columns whose EE is the truth's
-  double green_width = 0;  ///< equivalent levels of a column
-  double supported = 0;    ///< equivalent levels of a column that are supported
+  int material_subjects = 0;
+  SimulatedShare false_flags;  ///< share of cells below the cut in truth that are flagged
+  SimulatedShare power;        ///< share of cells at the cut or above in truth that are flagged
+  SimulatedShare cuts_right;   ///< share of columns whose artifact cut is the truth's
+  SimulatedShare ee_right;     ///< share of columns whose EE is the truth's
+  SimulatedShare green_width;  ///< equivalent levels of a column
+  SimulatedShare supported;    ///< equivalent levels of a column that are supported
 };
 
 /// True proportion correct in a cell: one half and the lapse rate are its ends, and 75 % before lapses lies
@@ -38,7 +50,8 @@ struct SubjectPlanRow {
 double eval_proportion(const PlantedColumn& planted, Experiment experiment, int level, double slope,
                        double lapse_rate);
 
-/// One row for each number of subjects.
+/// One row for each number of subjects. errors: InputError for numbers of the material experiment that are
+/// neither one nor as many.
 std::vector<SubjectPlanRow> simulate_plan(const Study& study, const Truth& truth, const Windows& windows,
                                           const SubjectPlanParams& params);
 
@@ -48,7 +61,13 @@ double find_true_width(const Study& study, const Truth& truth);
 Table make_plan_table(const std::vector<SubjectPlanRow>& rows);
 std::string format_plan(const std::vector<SubjectPlanRow>& rows, double true_width);
 
-/// plan.csv, plan.svg and plan.pdf. errors: InputError without gnuplot, StoreError
-void write_plan(const std::vector<SubjectPlanRow>& rows, const std::filesystem::path& folder);
+/// plan.json: the rows and all that they depend on.
+Json make_plan_json(const Study& study, const Truth& truth, const Windows& windows,
+                    const SubjectPlanParams& params, const std::vector<SubjectPlanRow>& rows);
+
+/// plan.csv with its dictionary, plan.json, plan.svg and plan.pdf. errors: InputError without gnuplot,
+/// StoreError
+void write_plan(const std::vector<SubjectPlanRow>& rows, const Json& json,
+                const std::filesystem::path& folder);
 
 }  // namespace equilux

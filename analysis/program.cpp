@@ -122,6 +122,10 @@ bool has_answers(const FolderReading& reading) {
 
 void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
   reading.sources = load_sources(folder, reading.study, reading.evidence->kind);
+  reading.sources.artifact_prompts =
+      load_prompts(folder.root, reading.evidence->artifact, Experiment::kArtifact);
+  reading.sources.material_prompts =
+      load_prompts(folder.root, reading.evidence->material, Experiment::kMaterial);
   reading.warnings = find_source_warnings(reading.study, *reading.evidence, reading.sources);
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
   if (params.verify && has_answers(reading)) refuse_findings(findings, folder);
@@ -193,19 +197,35 @@ std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
   return readings;
 }
 
+std::string list_first(const std::vector<std::string>& names) {
+  constexpr std::size_t kListed = 5;
+  const auto shown = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kListed));
+  const std::string list = fmt::format("{}", fmt::join(names.begin(), shown, ", "));
+  return names.size() > kListed ? fmt::format("{} and {} more", list, names.size() - kListed) : list;
+}
+
 // In one log nobody finishes an experiment twice.
-void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment,
+void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment, SubjectKind kind,
                        std::vector<std::string>& warnings) {
-  std::map<std::string, int> finished;
+  std::map<std::string, std::size_t> finished;
   for (const SessionRow& row : evidence.finished) ++finished[row.participant];
+  finished.erase("");
+  std::vector<std::string> repeaters;
   for (const auto& [participant, count] : finished) {
-    if (count > 1)
-      warnings.push_back(
-          fmt::format("Participant {} finished the {} experiment {} times, in different "
-                      "logs; if that is one person, {} answers each pair more than once. Intervals and "
-                      "leaving out take the sessions of a code for one subject, tallies do not",
-                      participant, format_experiment(experiment), count, participant));
+    if (count > 1) repeaters.push_back(fmt::format("{} ({} times)", participant, count));
   }
+  if (repeaters.empty()) return;
+  warnings.push_back(fmt::format(
+      "{} finished the {} experiment more than once, in different logs: {}. The {} sessions are of {} codes. "
+      "One subject each are the sessions of a code for what draws subjects again or leaves them out: ranges "
+      "of cuts, resampled EE, intervals of trends, verdicts turned by one, the order effect. Each session "
+      "counts as another subject in k and n, and so in flags, cuts, verdicts, intervals of cells "
+      "(Clopper-Pearson, Jeffreys), p, q, posteriors and what is supported: if a code is one {}, those are "
+      "too "
+      "sure of themselves.",
+      kind == SubjectKind::kPerson ? "Participants" : "Simulated subjects of one code",
+      format_experiment(experiment), list_first(repeaters), evidence.finished.size(), finished.size(),
+      kind == SubjectKind::kPerson ? "person" : "subject"));
 }
 
 // What stands beside answers that are counted; a folder without any has no say.
@@ -242,10 +262,8 @@ Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& p
     evidence.push_back(std::move(*reading.evidence));
   }
   Evidence pool = pool_evidence(std::move(evidence), names);
-  if (pool.kind == SubjectKind::kPerson) {
-    warn_of_repeaters(pool.artifact, Experiment::kArtifact, warnings);
-    warn_of_repeaters(pool.material, Experiment::kMaterial, warnings);
-  }
+  warn_of_repeaters(pool.artifact, Experiment::kArtifact, pool.kind, warnings);
+  warn_of_repeaters(pool.material, Experiment::kMaterial, pool.kind, warnings);
   Report report = make_pooled_report(readings.front().study, std::move(pool), params.rule, std::move(sources),
                                      params.uncertainty, warnings);
   if (names.size() > 1) report.folders = names;
@@ -361,14 +379,16 @@ int run_plan(const std::filesystem::path& source, const SubjectPlanParams& param
   const Study study =
       std::filesystem::is_directory(source) ? load_folder_study(StudyFolder{source}) : load_study(source);
   const Truth truth = load_truth(study.truth_path, study);
-  const auto rows = simulate_plan(study, truth, load_windows(study.windows_path, study), params);
+  const Windows windows = load_windows(study.windows_path, study);
+  const auto rows = simulate_plan(study, truth, windows, params);
   fmt::print(
       "study {}: {} simulated studies for each number, rule {}, slope {} levels, lapse rate {}, seed {}\n{}",
       study.name, params.studies, format_rule(params.rule), params.slope, truth.lapse_rate, params.seed,
       format_plan(rows, find_true_width(study, truth)));
   if (out.empty()) return kExitOk;
-  write_plan(rows, out);
-  fmt::print("wrote plan.csv, plan.svg and plan.pdf to {}\n", out.string());
+  write_plan(rows, make_plan_json(study, truth, windows, params, rows), out);
+  fmt::print("wrote plan.csv, plan.csv-metadata.json, plan.json, plan.svg and plan.pdf to {}\n",
+             out.string());
   return kExitOk;
 }
 

@@ -22,11 +22,14 @@ std::set<std::string> digests_of(const std::vector<SessionRow>& sessions,
   return digests;
 }
 
-void warn_of_digests(std::vector<std::string>& warnings, const std::vector<SessionRow>& sessions,
+void warn_of_digests(std::vector<std::string>& warnings, const Evidence& evidence, Experiment experiment,
                      std::string SessionDigests::*member, const std::string& now, const std::string& what) {
-  const auto used = digests_of(sessions, member);
-  if (used.empty() || used == std::set<std::string>{now}) return;
-  warnings.push_back(fmt::format("Some sessions used {} other than the one in the folder now ({}...).", what,
+  const auto& sessions = evidence.of(experiment).finished;
+  const auto others = std::count_if(sessions.begin(), sessions.end(),
+                                    [&](const SessionRow& row) { return row.digests.*member != now; });
+  if (others == 0) return;
+  warnings.push_back(fmt::format("Of {} {} sessions {} used {} other than the one in the folder now ({}...).",
+                                 sessions.size(), format_experiment(experiment), others, what,
                                  now.substr(0, 12)));
 }
 
@@ -40,8 +43,8 @@ void warn_of_selection(std::vector<std::string>& warnings, const Evidence& evide
         format_kind(evidence.kind)));
     return;
   }
-  warn_of_digests(warnings, sessions, &SessionDigests::selection, digest_selection(*selection),
-                  "a selection");
+  warn_of_digests(warnings, evidence, Experiment::kMaterial, &SessionDigests::selection,
+                  digest_selection(*selection), "a selection");
   if (selection->answers_digest != evidence.artifact.digest) {
     warnings.push_back(
         "The selection was pruned from other artifact answers than those counted here: artifact sessions "
@@ -199,6 +202,10 @@ void warn_of_windows(std::vector<std::string>& warnings, const std::vector<PoolP
                   list_folders(folders)));
 }
 
+void pool_prompts(Prompts& all, const Prompts& part) {
+  for (const auto& [language, prompts] : part) all[language].insert(prompts.begin(), prompts.end());
+}
+
 // What all folders have alike.
 template <typename T>
 void pool_if_same(std::optional<T>& all, const std::optional<T>& part) {
@@ -243,6 +250,33 @@ void warn_of_protocols(Report& report) {
       fmt::format("The sessions followed {} session protocols: their practice, breaks, least times or catch "
                   "trials differ.",
                   protocols.size()));
+}
+
+void warn_of_balance(Report& report, const Balance& balance, Experiment experiment) {
+  const Spread &sessions = balance.sessions, &cells = balance.cells;
+  if (sessions.over == 0 && cells.over == 0) return;
+  report.warnings.push_back(fmt::format(
+      "Sides and views of the test pictures of the {} experiment are less balanced than the rule has them: "
+      "counts of the four combinations differ by more than {} in {} of {} sessions (by {} at most), and of "
+      "{} "
+      "of {} cells over sessions (by {} at most). Subjects left out, and logs added up, leave such gaps in "
+      "cells; in a session nothing should.",
+      format_experiment(experiment), kBalanceAllows, sessions.over, sessions.measured, sessions.largest,
+      cells.over, cells.measured, cells.largest));
+}
+
+void warn_of_languages(Report& report) {
+  std::map<std::string, std::size_t> languages = count_languages(report.evidence.artifact);
+  for (const auto& [language, sessions] : count_languages(report.evidence.material))
+    languages[language] += sessions;
+  languages.erase("");
+  if (languages.size() < 2) return;
+  std::vector<std::string> parts;
+  for (const auto& [language, sessions] : languages)
+    parts.push_back(fmt::format("{} {}", language, sessions));
+  report.warnings.push_back(
+      fmt::format("The finished sessions were held in {} languages ({}): subjects read different questions.",
+                  languages.size(), fmt::join(parts, ", ")));
 }
 
 std::vector<std::int64_t> find_marked(const SubjectsReport& subjects) {
@@ -331,12 +365,12 @@ std::vector<std::string> find_source_warnings(const Study& study, const Evidence
                                    exhibit.convergence.condition, exhibit.convergence.source));
   }
   if (sources.windows) {
-    warn_of_digests(warnings, evidence.artifact.finished, &SessionDigests::windows, sources.windows->digest,
-                    "a windows.json");
+    warn_of_digests(warnings, evidence, Experiment::kArtifact, &SessionDigests::windows,
+                    sources.windows->digest, "a windows.json");
   }
-  for (const ExperimentEvidence* experiment : {&evidence.artifact, &evidence.material}) {
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     if (sources.protocol)
-      warn_of_digests(warnings, experiment->finished, &SessionDigests::protocol, sources.protocol->digest,
+      warn_of_digests(warnings, evidence, experiment, &SessionDigests::protocol, sources.protocol->digest,
                       "a session.json");
   }
   warn_of_selection(warnings, evidence, sources.selection);
@@ -364,6 +398,8 @@ ReportSources pool_sources(std::vector<ReportSources> parts, const std::vector<s
     if (!are_same_pictures(all.manifest, part.manifest)) all.manifest.reset();
     pool_if_same(all.protocol, part.protocol);
     pool_if_same(all.truth, part.truth);
+    pool_prompts(all.artifact_prompts, part.artifact_prompts);
+    pool_prompts(all.material_prompts, part.material_prompts);
     for (ConvergenceExhibit& exhibit : part.convergences) all.convergences.push_back(std::move(exhibit));
   }
   return all;
@@ -391,12 +427,18 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   report.convergences = std::move(sources.convergences);
   report.protocol = std::move(sources.protocol);
   report.truth = std::move(sources.truth);
+  report.artifact_prompts = std::move(sources.artifact_prompts);
+  report.material_prompts = std::move(sources.material_prompts);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
+  report.artifact_balance = find_balance(report.evidence.artifact);
+  report.material_balance = find_balance(report.evidence.material);
   add_uncertainty(report);
   report.warnings = warnings;
   warn_of_uneven_cells(report, report.artifact, Experiment::kArtifact);
   warn_of_uneven_cells(report, report.material, Experiment::kMaterial);
+  warn_of_balance(report, report.artifact_balance, Experiment::kArtifact);
+  warn_of_balance(report, report.material_balance, Experiment::kMaterial);
   warn_of_left_out(report, report.evidence.artifact, Experiment::kArtifact);
   warn_of_left_out(report, report.evidence.material, Experiment::kMaterial);
   warn_of_unanswered(report, report.evidence.artifact, Experiment::kArtifact);
@@ -404,6 +446,7 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   warn_of_others(report);
   warn_of_withdrawn(report);
   warn_of_protocols(report);
+  warn_of_languages(report);
   return report;
 }
 

@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "analysis/balance.h"
 #include "analysis/cell_statistics.h"
 #include "analysis/equivalence.h"
 #include "analysis/evidence.h"
+#include "analysis/prompts.h"
 #include "analysis/report_folder.h"
 #include "analysis/trends.h"
 #include "analysis/uncertainty.h"
@@ -65,12 +67,16 @@ struct Report {
   std::vector<Trend> trends;  ///< under `rule`
   SubjectsReport artifact_subjects;
   SubjectsReport material_subjects;
+  Balance artifact_balance;
+  Balance material_balance;
   /// Columns whose verdict under `rule` would be another without the marked sessions.
   std::vector<Column> flipped_without_marked;
   std::vector<FolderSelection> selections = {};  ///< as ReportSources::selections
   std::vector<std::string> folders = {};  ///< study folders that were pooled, by name; empty: not known
   std::optional<SessionProtocol> protocol = {};  ///< of the folders; empty: there is none, or several
   std::optional<Truth> truth = {};               ///< the same of the planted truth; of planted answers only
+  Prompts artifact_prompts = {};                 ///< as ReportSources
+  Prompts material_prompts = {};
 };
 
 /// What stands beside the answers in the study folder, where it is there.
@@ -84,6 +90,8 @@ struct ReportSources {
   /// Of a pool whose selections differ: each folder's. `selection` then says which levels any of them keeps;
   /// its rule, cuts and digest of answers are empty where they are not the same in all.
   std::vector<FolderSelection> selections = {};
+  Prompts artifact_prompts = {};  ///< in the languages of the finished sessions
+  Prompts material_prompts = {};
 };
 
 /// What a reader should know of the answers beside these sources: sessions made from others, placeholders.

@@ -142,6 +142,7 @@ Row subject_row(const Report& report, Experiment experiment, const SubjectFindin
           format_number(finding.agreement),
           format_marks(finding.marks),
           s.abort_reason.value_or(""),
+          s.language,
           format_turned(report, experiment, s.session, Rule::kPaper),
           format_turned(report, experiment, s.session, Rule::kIsotonic)};
 }
@@ -151,11 +152,12 @@ const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
 }
 
 Table make_subjects(const std::vector<Report>& reports) {
-  Table table{{"study",    "experiment",   "session",       "participant",    "folder",     "subject_index",
-               "complete", "scheduled",    "answered",      "correct",        "left",       "p_side",
-               "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass", "agreement",
-               "marks",    "abort_reason", "turns_paper",   "turns_isotonic"},
-              {}};
+  Table table{
+      {"study",    "experiment",   "session",       "participant",    "folder",        "subject_index",
+       "complete", "scheduled",    "answered",      "correct",        "left",          "p_side",
+       "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass",    "agreement",
+       "marks",    "abort_reason", "language",      "turns_paper",    "turns_isotonic"},
+      {}};
   for (const Report& report : reports) {
     for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
       for (const SubjectFinding& finding : subjects_of(report, experiment).sessions)
@@ -232,20 +234,6 @@ Json make_value(const std::string& text, std::string_view datatype) {
   return std::stod(text);
 }
 
-// One object for each row, typed by the dictionary.
-Json make_rows_json(const ReportTable& table) {
-  std::vector<const DictionaryEntry*> entries;
-  for (const std::string& column : table.table.columns) entries.push_back(&find_entry(table.file, column));
-  Json rows{Json::Array{}};
-  for (const Row& row : table.table.rows) {
-    Json object;
-    for (std::size_t i = 0; i < row.size(); ++i)
-      object.set(table.table.columns[i], make_value(row[i], entries[i]->datatype));
-    rows.push(std::move(object));
-  }
-  return rows;
-}
-
 // What finished sessions say of one thing, each value once, sorted; not where they say nothing.
 Json make_values_json(const ExperimentEvidence& evidence, const auto& value_of) {
   std::set<std::string> values;
@@ -254,9 +242,23 @@ Json make_values_json(const ExperimentEvidence& evidence, const auto& value_of) 
   return make_json(std::vector<std::string>(values.begin(), values.end()));
 }
 
-Json make_experiment_json(const ExperimentEvidence& evidence) {
+Json make_spread_json(const Spread& spread) {
+  Json json;
+  json.set("measured", spread.measured).set("largest_difference", spread.largest);
+  return json.set("over", spread.over);
+}
+
+Json make_balance_json(const Balance& balance) {
+  Json json;
+  json.set("sessions", make_spread_json(balance.sessions)).set("cells", make_spread_json(balance.cells));
+  json.set("allowed_difference", kBalanceAllows);
+  return json.set("most_answers_of_a_subject_to_a_cell", balance.most_answers);
+}
+
+Json make_experiment_json(const ExperimentEvidence& evidence, const Balance& balance) {
   Json json;
   json.set("finished_sessions", evidence.finished.size()).set("unfinished_sessions", evidence.unfinished);
+  json.set("participants", count_participants(evidence));
   json.set("answers", evidence.answers.size()).set("answers_digest", evidence.digest);
   const auto add = [&](const char* name, std::string SessionDigests::*member) {
     json.set(name, make_values_json(evidence, [&](const SessionRow& row) { return row.digests.*member; }));
@@ -268,6 +270,7 @@ Json make_experiment_json(const ExperimentEvidence& evidence) {
   add("protocol_digests", &SessionDigests::protocol);
   json.set("session_programs",
            make_values_json(evidence, [](const SessionRow& row) { return row.program_version; }));
+  json.set("balance", make_balance_json(balance));
   json.set("participation", make_participation_json(find_participation(evidence)));
   return json.set("session_seeds", make_values_json(evidence, [](const SessionRow& row) {
                     return fmt::format("{}", row.seed);
@@ -289,8 +292,8 @@ Json make_study_json(const Report& report) {
   json.set("name", report.study.name).set("digest", report.study.digest);
   json.set("kind", format_kind(report.evidence.kind)).set("rule", format_rule(report.rule));
   json.set("folders", make_json(report.folders)).set("warnings", make_json(report.warnings));
-  json.set("artifact", make_experiment_json(report.evidence.artifact));
-  json.set("material", make_experiment_json(report.evidence.material));
+  json.set("artifact", make_experiment_json(report.evidence.artifact, report.artifact_balance));
+  json.set("material", make_experiment_json(report.evidence.material, report.material_balance));
   json.set("withdrawn", report.evidence.withdrawn);
   if (report.selection && report.selections.empty())
     json.set("selection_digest", digest_selection(*report.selection));
@@ -306,6 +309,19 @@ std::vector<ReportTable> make_report_tables(const std::vector<Report>& reports) 
   return {{"cells.csv", stack(reports, make_cells)}, {"thresholds.csv", stack(reports, make_thresholds)},
           {"ee.csv", stack(reports, make_ee)},       {"subjects.csv", make_subjects(reports)},
           {"order.csv", make_order(reports)},        {"trends.csv", make_trends(reports)}};
+}
+
+Json make_rows_json(const ReportTable& table) {
+  std::vector<const DictionaryEntry*> entries;
+  for (const std::string& column : table.table.columns) entries.push_back(&find_entry(table.file, column));
+  Json rows{Json::Array{}};
+  for (const Row& row : table.table.rows) {
+    Json object;
+    for (std::size_t i = 0; i < row.size(); ++i)
+      object.set(table.table.columns[i], make_value(row[i], entries[i]->datatype));
+    rows.push(std::move(object));
+  }
+  return rows;
 }
 
 Json make_report_json(const std::vector<Report>& reports) {

@@ -32,6 +32,9 @@ struct DictionaryEntry {
 /// The entry of a column; a column without one is our bug.
 const DictionaryEntry& find_entry(std::string_view file, std::string_view column);
 
+/// One object for each row, typed by the dictionary.
+Json make_rows_json(const ReportTable& table);
+
 /// csv-metadata.json: the tables and the meaning of each column.
 /// source: W3C, Metadata Vocabulary for Tabular Data (CSVW), 2015.
 Json make_csv_metadata(const std::vector<ReportTable>& tables);

@@ -24,6 +24,24 @@ std::optional<double> find_median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
+// A key ends in its view.
+std::optional<int> find_view(const TrialRow& trial) {
+  if (trial.test_key.ends_with("v0")) return 0;
+  if (trial.test_key.ends_with("v1")) return 1;
+  return std::nullopt;
+}
+
+std::vector<std::uint8_t> find_combos(const std::vector<const TrialRow*>& main) {
+  std::vector<std::uint8_t> combos;
+  combos.reserve(main.size());
+  for (const TrialRow* trial : main) {
+    const auto view = find_view(*trial);
+    if (!view) return {};
+    combos.push_back(static_cast<std::uint8_t>(2 * *view + (trial->test_side == Side::kRight ? 1 : 0)));
+  }
+  return combos;
+}
+
 bool is_correct(const TrialRow& trial) { return trial.answer == trial.test_side; }
 
 void add_main_trials(SessionSummary& summary, const std::vector<const TrialRow*>& main) {
@@ -168,6 +186,8 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Tr
   SessionSummary summary;
   summary.session = session.id;
   summary.participant = session.participant;
+  if (const auto language = session.fields.find("language"); language != session.fields.end())
+    summary.language = language->second;
   summary.subject_index = session.subject_index;
   summary.complete = session.complete;
   std::vector<const TrialRow*> main;
@@ -180,6 +200,7 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Tr
   }
   std::sort(main.begin(), main.end(), [](const auto* a, const auto* b) { return a->number < b->number; });
   add_main_trials(summary, main);
+  summary.combos = find_combos(main);
   return summary;
 }
 

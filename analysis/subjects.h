@@ -10,11 +10,14 @@
 
 namespace equilux {
 
+inline constexpr std::size_t kComboCount = 4;  ///< of view and side of the test picture
+
 /// A session in numbers, finished or not. Counts are of trials of the main phase that were answered.
 struct SessionSummary {
   std::int64_t session = 0;  ///< AnswerRow::session
   std::string participant;   ///< code
   std::string folder;        ///< study folder of its log; empty where there is only one
+  std::string language;      ///< of the texts; empty where it was not recorded
   std::int64_t subject_index = 0;
   bool complete = false;
   std::int64_t scheduled = 0;
@@ -30,6 +33,9 @@ struct SessionSummary {
   std::optional<double> median_response_s;  ///< from onset to press
   std::optional<double> first_half_s;       ///< median of the first half
   std::optional<double> second_half_s;      ///< median of the rest
+  /// View (high bit) and side (low bit: right) of the test picture of each main trial, in order of trial, as
+  /// the session's answers are; empty where a view is not known.
+  std::vector<std::uint8_t> combos;
 };
 
 SessionSummary summarise_session(const SessionRow& session, const std::vector<TrialRow>& trials);

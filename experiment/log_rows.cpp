@@ -88,6 +88,7 @@ TrialRow read_brief_trial(const Statement& row, CellReader& cells, const std::st
   trial.phase = parse_phase(row.view(1), source);
   trial.cell = cells.read(row.view(2), source, "trial/cell");
   trial.test_side = parse_side(row.view(3), source);
+  trial.test_key = row.view(7);
   if (row.is_null(4)) return trial;
   trial.answer = parse_side(row.view(4), source);
   trial.response_time_ns = row.integer(5);
@@ -166,8 +167,8 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
 
 std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t session, CellReader& cells) {
   Statement statement(database,
-                      "SELECT trial, phase, cell, test_side, answer, response_time_ns, too_fast"
-                      " FROM trial WHERE session = ? ORDER BY trial",
+                      "SELECT trial, phase, cell, test_side, answer, response_time_ns, too_fast,"
+                      " substr(test_key, -2) FROM trial WHERE session = ? ORDER BY trial",
                       session);
   std::vector<TrialRow> trials;
   trials.reserve(kUsualTrials);

@@ -141,8 +141,8 @@ class TrialLog {
 
   std::vector<SessionRow> load_sessions() const;
   std::vector<TrialRow> load_trials(std::int64_t session) const;
-  /// As load_trials, but without the pictures' names and the time of day: what answers are counted by, in a
-  /// third of the time.
+  /// As load_trials, but without the pictures' names, of which only the view of the test picture stays ("v0"
+  /// as `test_key`), and without the time of day: what answers are counted by, in a third of the time.
   std::vector<TrialRow> load_brief_trials(std::int64_t session) const;
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
   std::string load_station() const;                               ///< this log's own

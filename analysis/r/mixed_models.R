@@ -8,8 +8,18 @@ suppressPackageStartupMessages({
 
 arguments <- commandArgs(trailingOnly = TRUE)
 if (length(arguments) != 2) stop("usage: mixed_models.R answers.csv cells.csv")
-answers <- read.csv(arguments[1], stringsAsFactors = FALSE)
-cells <- read.csv(arguments[2], stringsAsFactors = FALSE)
+
+# Only numbers may be missing: a code or a token "NA", "T" or "1e3" is text.
+read_table <- function(file) {
+  texts <- c("study", "experiment", "participant", "geometry", "material", "illumination", "clamp", "status")
+  header <- names(read.csv(file, nrows = 1, check.names = FALSE))
+  classes <- ifelse(header %in% texts, "character", NA)
+  read.csv(file, stringsAsFactors = FALSE, na.strings = "", colClasses = classes, check.names = FALSE)
+}
+answers <- read_table(arguments[1])
+cells <- read_table(arguments[2])
+answers$participant[is.na(answers$participant)] <- ""
+if (anyNA(answers)) stop("answers.csv: fields are missing in ", paste(names(answers)[colSums(is.na(answers)) > 0], collapse = ", "))
 
 # Held against the report: counts exactly, all else to 1e-9. Stops where they differ.
 compare_cells <- function(answers, cells) {
@@ -42,36 +52,67 @@ compare_cells <- function(answers, cells) {
   near("q", tested$q_guess, ave(tested$p_guess, family, FUN = function(p) p.adjust(p, "BH")))
 }
 
+# Centred, and scaled to a standard deviation of one: coefficients are for one standard deviation of clamp level or log10 of VPLs.
+standardise <- function(values) if (length(unique(values)) > 1) as.vector(scale(values)) else values * 0
+
+# What is tried in turn: the mixed model by several optimisers, and last a model of fixed effects, without subjects.
+make_attempts <- function(terms, rows) {
+  fixed <- paste("correct ~", paste(terms, collapse = " + "))
+  mixed <- as.formula(paste(fixed, "+ (1 | participant)"))
+  link <- binomial(mafc.logit(.m = 2))
+  fit_mixed <- function(optimizer, quadrature) function() {
+    glmer(mixed, data = rows, family = link, nAGQ = quadrature, control = glmerControl(optimizer = optimizer))
+  }
+  # The start that the link's own gives fails where a whole level is at one half.
+  fit_fixed <- function() {
+    glm(as.formula(fixed), data = rows, family = link, control = glm.control(maxit = 200),
+        mustart = ifelse(rows$correct == 1, 0.9, 0.6))
+  }
+  list("mixed model, bobyqa" = fit_mixed("bobyqa", 0), "mixed model, Nelder-Mead" = fit_mixed("Nelder_Mead", 0),
+       "mixed model, Laplace, bobyqa" = fit_mixed("bobyqa", 1),
+       "FIXED EFFECTS ALONE, no term for subjects" = fit_fixed)
+}
+
+# A fit, or the words of its error; with the warnings that it gave.
+try_fit <- function(attempt) {
+  warnings <- character()
+  fit <- tryCatch(
+    withCallingHandlers(attempt(), warning = function(w) {
+      warnings <<- c(warnings, conditionMessage(w))
+      invokeRestart("muffleWarning")
+    }),
+    error = function(e) conditionMessage(e))
+  if (!is.character(fit) && any(!is.finite(fitted(fit)))) fit <- "fitted proportions are not finite"
+  list(fit = fit, warnings = unique(warnings))
+}
+
 # Proportion correct falls with clamp for artifacts and rises for material, from one half up to one; subjects differ in
-# where they stand. `distance` is the clamp level. A fit that did not converge is reported as such, and no number of it.
+# where they stand. `distance` is the clamp level. Says which of the attempts was fitted and why those before it were not.
 fit_experiment <- function(answers, label) {
-  rows <- transform(answers, distance = clamp_level, counts = log10(vpls))
-  terms <- c("distance", if (length(unique(rows$counts)) > 1) "counts",
-             if (length(unique(rows$material)) > 1) "material", if (length(unique(rows$geometry)) > 1) "geometry",
-             if (length(unique(rows$illumination)) > 1) "illumination")
-  formula <- as.formula(paste("correct ~", paste(terms, collapse = " + "), "+ (1 | participant)"))
-  if (length(unique(rows$correct)) < 2 || length(unique(rows$participant)) < 3) {
+  if (length(unique(answers$correct)) < 2 || length(unique(answers$participant)) < 3) {
     cat(sprintf("\n%s: not fitted, all answers are alike or there are fewer than three subjects\n", label))
     return(invisible(NULL))
   }
-  warnings <- character()
-  fit <- tryCatch(
-    withCallingHandlers(
-      glmer(formula, data = rows, family = binomial(mafc.logit(.m = 2)), nAGQ = 0,
-            control = glmerControl(optimizer = "bobyqa")),
-      warning = function(w) {
-        warnings <<- c(warnings, conditionMessage(w))
-        invokeRestart("muffleWarning")
-      }),
-    error = function(e) conditionMessage(e))
-  if (is.character(fit)) {
-    cat(sprintf("\n%s: no fit: %s\n", label, fit))
-    return(invisible(NULL))
+  rows <- transform(answers, distance = standardise(clamp_level), counts = standardise(log10(vpls)))
+  varies <- function(name) if (length(unique(rows[[name]])) > 1) name
+  terms <- unlist(lapply(c("distance", "counts", "material", "geometry", "illumination"), varies))
+  if (is.null(terms)) terms <- "1"
+  attempts <- make_attempts(terms, rows)
+  for (name in names(attempts)) {
+    result <- try_fit(attempts[[name]])
+    if (!is.character(result$fit)) break
+    cat(sprintf("\n%s: no %s: %s\n", label, name, result$fit))
   }
+  fit <- result$fit
+  if (is.character(fit)) return(invisible(NULL))
   cat(sprintf("\n%s: %d answers, %d subjects%s\n", label, nrow(rows), length(unique(rows$participant)),
-              if (isSingular(fit)) "; subjects do not differ (singular)" else ""))
+              if (inherits(fit, "merMod") && isSingular(fit)) "; subjects do not differ (singular)" else ""))
+  cat(sprintf("fitted %s: %s\n", label, name))
   print(round(coef(summary(fit)), 4))
-  for (text in unique(warnings)) cat("warning:", text, "\n")
+  if (any(coef(summary(fit))[, "Std. Error"] > 100)) {
+    cat("warning: answers are parted by a step (separation): coefficients have no finite estimate, fitted proportions do\n")
+  }
+  for (text in result$warnings) cat("warning:", text, "\n")
   fitted_by_level <- tapply(fitted(fit), rows$clamp_level, mean)
   observed <- tapply(rows$correct, rows$clamp_level, mean)
   cat("proportion correct by clamp level, observed and fitted:\n")

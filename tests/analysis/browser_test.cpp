@@ -29,17 +29,26 @@ int count(const std::string& text, const std::string& word) {
   return found;
 }
 
+Report make_small_report(const PlantedStudy& planted) {
+  Evidence evidence;
+  evidence.kind = SubjectKind::kPlanted;
+  evidence.artifact.answers = planted.artifact;
+  evidence.material.answers = planted.material;
+  for (const char* participant : {"planted-1-0", "planted-1-1"}) {
+    SessionSummary summary;
+    summary.participant = participant;
+    summary.complete = true;
+    evidence.artifact.summaries.push_back(summary);
+  }
+  return make_report(planted.study, evidence, Rule::kPaper, {planted.selection, {}, {}}, {1, 10, 10});
+}
+
 TEST(Browser, shows_and_prints_the_page_as_it_was_written) {
   if (std::system("chromium --version >/dev/null 2>&1") != 0)  // NOLINT
     GTEST_SKIP() << "needs the Debian package chromium";
   const TempFolder folder;
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  Evidence evidence;
-  evidence.kind = SubjectKind::kPlanted;
-  evidence.artifact.answers = planted.artifact;
-  evidence.material.answers = planted.material;
-  const std::string page = format_page(
-      {make_report(planted.study, evidence, Rule::kPaper, {planted.selection, {}, {}}, {1, 10, 10})});
+  const std::string page = format_page({make_small_report(planted)});
   save_text(folder / "index.html", page);
   const std::string url = "file://" + (folder / "index.html").string();
   const ChildResult shown = Child("/usr/bin/env", with_chromium(folder, {"--dump-dom", url})).wait();
@@ -54,6 +63,40 @@ TEST(Browser, shows_and_prints_the_page_as_it_was_written) {
   const std::string bytes = load_text(pdf);
   EXPECT_TRUE(bytes.starts_with("%PDF"));
   EXPECT_GE(count(bytes, "/Type /Page\n") + count(bytes, "/Type /Page "), 2) << "pages";
+}
+
+// The text of the printed page, by pdftotext; lines as they stand on the paper.
+std::string print_to_text(const TempFolder& folder, const std::string& page) {
+  save_text(folder / "index.html", page);
+  const std::string pdf = (folder / "page.pdf").string();
+  const std::string url = "file://" + (folder / "index.html").string();
+  const ChildResult printed =
+      Child("/usr/bin/env", with_chromium(folder, {"--print-to-pdf=" + pdf, url})).wait();
+  EXPECT_EQ(printed.exit_code, 0) << printed.err;
+  return Child("/usr/bin/env", {"pdftotext", "-layout", pdf, "-"}).wait().out;
+}
+
+// What is folded on screen: columns, sessions, cells. The mutant is the page without its rule for print.
+TEST(Browser, prints_what_is_folded_on_the_screen) {
+  if (std::system("chromium --version >/dev/null 2>&1 && command -v pdftotext >/dev/null") != 0)  // NOLINT
+    GTEST_SKIP() << "needs the Debian packages chromium and poppler-utils";
+  const TempFolder folder;
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const Report report = make_small_report(planted);
+  std::string page = format_page({report});
+  const std::string text = print_to_text(folder, page);
+  for (const auto* cells : {&report.artifact_cells, &report.material_cells}) {
+    for (const auto& [cell, statistics] : *cells) {
+      if (statistics.estimate) EXPECT_NE(text.find(format_key(cell)), std::string::npos) << format_key(cell);
+    }
+  }
+  for (const char* words : {"Each of the 8 columns", "Each of the 2 sessions", "planted-1-0", "planted-1-1",
+                            "P(over 75", "agreement"})
+    EXPECT_NE(text.find(words), std::string::npos) << words << "\n" << text;
+  const std::size_t rule = page.find("details::details-content");
+  ASSERT_NE(rule, std::string::npos);
+  page.replace(rule, 7, "unknown");
+  EXPECT_EQ(print_to_text(folder, page).find("planted-1-0"), std::string::npos);
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 // Who took part, as counts: ranges and dates right, nothing of one person.
 #include "analysis/participation.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 
 #include "analysis/page_sections.h"
+#include "base/files.h"
 #include "stimuli/scene.h"
 #include "tests/analysis/columns.h"
+#include "tests/support/temp_folder.h"
 
 namespace equilux::tests {
 namespace {
@@ -118,6 +121,42 @@ TEST(Design, tells_every_clamp_in_numbers) {
                 "C0 no clamp, C1 316, C2 100, C3 31.6, C4 10, C5 3.16, C6 1, C7 0.316, "
                 "C8 0.1, C9 0.0316, C10 0.01"),
             std::string::npos);
+}
+
+TEST(Participation, counts_languages_and_warns_where_they_differ) {
+  Evidence evidence = make_people();
+  for (SessionRow& row : evidence.artifact.finished) row.fields["language"] = "en";
+  const auto warns = [&] {
+    const Report report = make_report(load_protocol("pocket"), evidence, Rule::kPaper, {}, {1, 10, 10});
+    return std::any_of(report.warnings.begin(), report.warnings.end(), [](const std::string& warning) {
+      return warning.starts_with("The finished sessions were held in 2 languages (de 1, en 5)");
+    });
+  };
+  EXPECT_FALSE(warns());
+  evidence.material.finished[0].fields["language"] = "de";
+  EXPECT_TRUE(warns());
+  const Report report = make_report(load_protocol("pocket"), evidence, Rule::kPaper, {}, {1, 10, 10});
+  EXPECT_NE(format_participation(report).find("<td>language of the texts</td><td>en 5</td><td>de 1</td>"),
+            std::string::npos);
+}
+
+// English is built in, German a file of the folder, French nowhere.
+TEST(Design, quotes_the_question_in_each_language_whose_texts_are_there) {
+  const TempFolder folder;
+  save_text(folder / "texts-de.json",
+            R"({"texts": {"prompt_artifact": "W\u00e4hle das Bild mit den Fehlern."}})");
+  Evidence evidence = make_people();
+  const char* languages[] = {"en", "de", "fr", "../x", ""};
+  for (std::size_t i = 0; i < 5; ++i) evidence.artifact.finished[i].fields["language"] = languages[i];
+  ReportSources sources;
+  sources.artifact_prompts = load_prompts(folder.path(), evidence.artifact, Experiment::kArtifact);
+  const std::string design =
+      format_design(make_report(load_protocol("pocket"), evidence, Rule::kPaper, sources, {1, 10, 10}));
+  for (const char* told : {"&ldquo;Select the image that has the artifacts.&rdquo; (en)",
+                           "&ldquo;W\u00e4hle das Bild mit den Fehlern.&rdquo; (de)",
+                           "in fr: the texts are not at hand", "in ../x: the texts are not at hand",
+                           "&ldquo;Which object&#39;s material is different from the reference?&rdquo;</td>"})
+    EXPECT_NE(design.find(told), std::string::npos) << told << "\n" << design;
 }
 
 TEST(Design, tells_pictures_trials_and_the_sessions_protocol) {

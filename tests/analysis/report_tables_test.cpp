@@ -2,10 +2,12 @@
 // files.
 #include "analysis/report_tables.h"
 
+#include <chrono>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#include <thread>
 
 #include "analysis/answers_export.h"
 #include "analysis/figure.h"
@@ -208,8 +210,9 @@ TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and
   EXPECT_EQ(report.evidence.withdrawn, 1);
   std::string warnings;
   for (const std::string& warning : report.warnings) warnings += warning + "\n";
-  for (const char* part : {"Withdrawals that the logs record: 1", "followed 2 session protocols",
-                           "a session.json other than the one in the folder"})
+  for (const char* part :
+       {"Withdrawals that the logs record: 1", "followed 2 session protocols",
+        "Of 2 artifact sessions 1 used a session.json other than the one in the folder now"})
     EXPECT_NE(warnings.find(part), std::string::npos) << part << " in\n" << warnings;
   const std::string page = format_page({report});
   EXPECT_NE(page.find("ended early (felt ill), left out"), std::string::npos);
@@ -270,11 +273,31 @@ TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
   std::vector<std::string> repeaters;
   const auto reports = load_reports(params);
   for (const std::string& warning : reports[0].warnings) {
-    if (warning.starts_with("Participant ")) repeaters.push_back(warning);
+    if (warning.starts_with("Participants ")) repeaters.push_back(warning);
   }
   ASSERT_EQ(repeaters.size(), 1u);
-  EXPECT_TRUE(repeaters[0].starts_with("Participant P0 finished the artifact experiment 2 times"))
+  EXPECT_TRUE(
+      repeaters[0].starts_with("Participants finished the artifact experiment more than once, in "
+                               "different logs: P0 (2 times). The 3 sessions are of 2 codes."))
       << repeaters[0];
+  for (const char* named : {"ranges of cuts", "order effect", "Clopper-Pearson, Jeffreys", "supported"})
+    EXPECT_NE(repeaters[0].find(named), std::string::npos) << named;
+  EXPECT_NE(format_page(reports).find("<td>artifact</td><td class=\"number\">3</td><td class=\"number\">2<"),
+            std::string::npos);
+}
+
+TEST_F(Folders, with_planted_subjects_of_equal_codes_warn_too) {
+  std::string warnings;
+  const auto reports = load({"a", "b"});
+  for (const std::string& warning : reports[0].warnings) warnings += warning + "\n";
+  EXPECT_NE(
+      warnings.find("Simulated subjects of one code finished the material experiment more than once, in "
+                    "different logs: P0 (2 times), P1 (2 times), P2 (2 times), P3 (2 times), P4 (2 "
+                    "times). The 19 sessions are of 14 codes."),
+      std::string::npos)
+      << warnings;
+  EXPECT_NE(warnings.find("P4 (2 times) and 2 more. The 19 sessions are of 12 codes."), std::string::npos)
+      << warnings;
 }
 
 // Folder c, whose only subject gave up: alone it is refused, in a pool it says that it has nothing to count.
@@ -488,6 +511,20 @@ TEST_F(Folders, are_drawn_by_gnuplot_as_svg_and_pdf) {
   EXPECT_TRUE(files.at("figure-pocket-ind.pdf").starts_with("%PDF"));
   for (const char* word : {"G0 MS", "G2 GS", "100k", "C10"})
     EXPECT_NE(files.at("figure-pocket-ind.svg").find(word), std::string::npos) << word;
+}
+
+// A second and more between them, which a time of day would show.
+TEST_F(Folders, reported_twice_give_the_same_bytes_in_every_file) {
+  AnalyzeParams params = make_params({temporary_ / "a"}, temporary_ / "one");
+  params.plot = true;
+  ASSERT_EQ(run_report(params), 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  params.out = temporary_ / "two";
+  ASSERT_EQ(run_report(params), 0);
+  const auto one = read_files(temporary_ / "one"), two = read_files(temporary_ / "two");
+  ASSERT_EQ(one.size(), two.size());
+  EXPECT_TRUE(one.contains("figure-pocket-ind.pdf") && one.contains(kReportList));
+  for (const auto& [name, bytes] : one) EXPECT_TRUE(bytes == two.at(name)) << name;
 }
 
 TEST_F(Folders, exported_again_replace_other_answers_only_when_told_to) {

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "analysis/csv.h"
+#include "analysis/report_tables.h"
 #include "base/files.h"
 #include "tests/analysis/columns.h"
 
@@ -450,6 +451,22 @@ TEST(Report, explains_what_its_tables_abbreviate) {
         "one half, one-sided, exact", "Benjamini and Hochberg, over the tested cells", "Beta(1/2, 1/2)",
         "the least that the session&rsquo;s protocol", "if and only if most of the others were"})
     EXPECT_TRUE(has(page, told)) << told;
+}
+
+// The figures of the table in docs/analysis.md, which a test of coverage holds.
+TEST(Report, says_where_its_ranges_hold_less_than_they_say) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const std::string docs = load_text(std::string(EQUILUX_SOURCE_DIR) + "/docs/analysis.md");
+  const std::string page = format_page({make_planted_report(planted)});
+  const std::string cut = find_entry("thresholds.csv", "cut_lower").meaning,
+                    trend = find_entry("trends.csv", "lower").meaning;
+  for (const auto& [share, percent] : {std::pair("| 0.800 | 0.800 |", "80.0"),
+                                       {"| 0.847 | 0.847 |", "84.7"},
+                                       {"| 0.800 | 0.913 |", "91.3"}}) {
+    EXPECT_TRUE(has(docs, share)) << share;
+    EXPECT_TRUE(has(page, std::string(percent) + "&nbsp;%")) << percent;
+    EXPECT_TRUE(has(cut, percent) || has(trend, percent)) << percent;
+  }
 }
 
 TEST(Report, claims_no_more_than_was_shown) {

@@ -1,0 +1,105 @@
+// Combinations of sessions to counts, counts to their spread.
+#include "analysis/balance.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <unordered_map>
+#include <vector>
+
+#include "base/error.h"
+#include "protocols/cell_numbers.h"
+
+namespace equilux {
+namespace {
+
+using ComboCounts = std::array<std::int64_t, kComboCount>;
+
+void add_counts(Spread& spread, const ComboCounts& counts) {
+  const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+  const std::int64_t difference = *most - *least;
+  ++spread.measured;
+  spread.largest = std::max(spread.largest, difference);
+  spread.over += difference > kBalanceAllows ? 1 : 0;
+}
+
+// The combinations of a session and how many of its answers were read.
+struct SessionReading {
+  const std::vector<std::uint8_t>* combos = nullptr;
+  std::size_t read = 0;
+};
+
+using SessionReadings = std::unordered_map<std::int64_t, SessionReading>;
+
+SessionReadings find_readings(const ExperimentEvidence& evidence) {
+  SessionReadings readings;
+  for (const SessionSummary& summary : evidence.summaries) {
+    if (summary.complete && !summary.combos.empty()) readings[summary.session] = {&summary.combos, 0};
+  }
+  return readings;
+}
+
+Spread measure_sessions(const SessionReadings& readings) {
+  Spread spread;
+  for (const auto& [session, reading] : readings) {
+    ComboCounts counts{};
+    for (const std::uint8_t combo : *reading.combos) ++counts.at(combo);
+    add_counts(spread, counts);
+  }
+  return spread;
+}
+
+// Answers stand in the order of their trials within a session.
+Spread measure_cells(const ExperimentEvidence& evidence, SessionReadings readings) {
+  CellNumbers numbers;
+  std::vector<ComboCounts> counts;
+  for (const AnswerRow& answer : evidence.answers) {
+    const auto found = readings.find(answer.session);
+    if (found == readings.end()) continue;
+    SessionReading& reading = found->second;
+    EQ_CHECK(reading.read < reading.combos->size(), reading.read, answer.session);
+    const std::uint32_t cell = numbers.number_of(answer.cell);
+    if (cell == counts.size()) counts.push_back({});
+    ++counts[cell].at((*reading.combos)[reading.read++]);
+  }
+  Spread spread;
+  for (const ComboCounts& of_cell : counts) add_counts(spread, of_cell);
+  return spread;
+}
+
+// A number for each code, the same for all its sessions. shape: by session
+std::unordered_map<std::int64_t, std::size_t> number_persons(const ExperimentEvidence& evidence,
+                                                             std::size_t& persons) {
+  std::map<std::string, std::size_t> codes;
+  std::unordered_map<std::int64_t, std::size_t> numbers;
+  for (const SessionRow& row : evidence.finished) {
+    const auto [entry, is_new] = codes.try_emplace(row.participant, persons);
+    numbers[row.id] = row.participant.empty() || is_new ? persons++ : entry->second;
+  }
+  return numbers;
+}
+
+std::int64_t count_most_answers(const ExperimentEvidence& evidence) {
+  std::size_t persons = 0;
+  const auto numbers = number_persons(evidence, persons);
+  CellNumbers cells;
+  std::vector<std::vector<std::int64_t>> answers;  // by cell, then by person
+  std::int64_t most = 0;
+  for (const AnswerRow& answer : evidence.answers) {
+    const auto person = numbers.find(answer.session);
+    if (person == numbers.end()) continue;
+    const std::uint32_t cell = cells.number_of(answer.cell);
+    if (cell == answers.size()) answers.emplace_back(persons, 0);
+    most = std::max(most, ++answers[cell][person->second]);
+  }
+  return most;
+}
+
+}  // namespace
+
+Balance find_balance(const ExperimentEvidence& evidence) {
+  const SessionReadings readings = find_readings(evidence);
+  return {measure_sessions(readings), measure_cells(evidence, readings), count_most_answers(evidence)};
+}
+
+}  // namespace equilux

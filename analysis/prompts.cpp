@@ -1,0 +1,55 @@
+// Tables of texts are read here for their prompts alone: whether one is complete is the session's concern.
+#include "analysis/prompts.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "base/files.h"
+#include "base/json.h"
+
+namespace equilux {
+namespace {
+
+constexpr const char* kBuiltIn = "en";
+
+// What a log says is no path.
+bool is_language(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_';
+  });
+}
+
+std::set<std::string> find_prompt(const std::filesystem::path& folder, const std::string& language,
+                                  Experiment experiment) {
+  if (!is_language(language)) return {};
+  const std::filesystem::path path = folder / ("texts-" + language + ".json");
+  if (!path_exists(path))
+    return language == kBuiltIn ? std::set{prompt_of(experiment)} : std::set<std::string>{};
+  const Json json = parse_json(load_text(path), path.string());
+  const Json* texts = json.is_object() ? json.find("texts") : nullptr;
+  const Json* prompt =
+      texts && texts->is_object() ? texts->find("prompt_" + format_experiment(experiment)) : nullptr;
+  return prompt && prompt->is_string() ? std::set{prompt->as_string()} : std::set<std::string>{};
+}
+
+}  // namespace
+
+std::map<std::string, std::size_t> count_languages(const ExperimentEvidence& evidence) {
+  std::map<std::string, std::size_t> languages;
+  for (const SessionRow& row : evidence.finished) {
+    const auto found = row.fields.find("language");
+    ++languages[found == row.fields.end() ? "" : found->second];
+  }
+  return languages;
+}
+
+Prompts load_prompts(const std::filesystem::path& folder, const ExperimentEvidence& evidence,
+                     Experiment experiment) {
+  Prompts prompts;
+  for (const auto& [language, sessions] : count_languages(evidence)) {
+    if (!language.empty()) prompts[language] = find_prompt(folder, language, experiment);
+  }
+  return prompts;
+}
+
+}  // namespace equilux
