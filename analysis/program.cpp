@@ -120,6 +120,35 @@ bool has_answers(const FolderReading& reading) {
   return !reading.evidence->artifact.finished.empty() || !reading.evidence->material.finished.empty();
 }
 
+// Cells with answers of which the manifest has no picture in any view.
+std::set<Cell> find_unpictured(const FolderReading& reading, const Manifest& manifest) {
+  std::set<Cell> unpictured;
+  for (const ExperimentEvidence* experiment : {&reading.evidence->artifact, &reading.evidence->material}) {
+    for (const AnswerRow& answer : experiment->answers) unpictured.insert(answer.cell);
+  }
+  std::erase_if(unpictured, [&](const Cell& cell) {
+    for (int view = 0; view < kViewCount; ++view) {
+      if (manifest.pictures.contains(format_key(Condition{cell, view}))) return true;
+    }
+    return false;
+  });
+  return unpictured;
+}
+
+// What cannot be asked of pictures that are not there.
+void warn_of_absent_pictures(FolderReading& reading) {
+  if (!has_answers(reading)) return;
+  if (!reading.sources.manifest) {
+    reading.warnings.push_back(
+        "There is no manifest.json: that answers are about pictures of this study was not checked.");
+    return;
+  }
+  const std::set<Cell> unpictured = find_unpictured(reading, *reading.sources.manifest);
+  if (!unpictured.empty())
+    reading.warnings.push_back(fmt::format("Of {} cells with answers the manifest has no picture, the first {}.",
+                                           unpictured.size(), format_key(*unpictured.begin())));
+}
+
 void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
   reading.sources = load_sources(folder, reading.study, reading.evidence->kind);
   reading.sources.artifact_prompts =
@@ -127,6 +156,7 @@ void add_sources(FolderReading& reading, const StudyFolder& folder, const Analyz
   reading.sources.material_prompts =
       load_prompts(folder.root, reading.evidence->material, Experiment::kMaterial);
   reading.warnings = find_source_warnings(reading.study, *reading.evidence, reading.sources);
+  warn_of_absent_pictures(reading);
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
   if (params.verify && has_answers(reading)) refuse_findings(findings, folder);
   if (!findings.empty())
