@@ -145,8 +145,9 @@ void warn_of_absent_pictures(FolderReading& reading) {
   }
   const std::set<Cell> unpictured = find_unpictured(reading, *reading.sources.manifest);
   if (!unpictured.empty())
-    reading.warnings.push_back(fmt::format("Of {} cells with answers the manifest has no picture, the first {}.",
-                                           unpictured.size(), format_key(*unpictured.begin())));
+    reading.warnings.push_back(
+        fmt::format("Of {} cells with answers the manifest has no picture, the first {}.", unpictured.size(),
+                    format_key(*unpictured.begin())));
 }
 
 void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
