@@ -46,9 +46,17 @@ std::map<std::string, std::size_t> count_languages(const ExperimentEvidence& evi
 Prompts load_prompts(const std::filesystem::path& folder, const ExperimentEvidence& evidence,
                      Experiment experiment) {
   Prompts prompts;
-  for (const auto& [language, sessions] : count_languages(evidence)) {
-    if (!language.empty()) prompts[language] = find_prompt(folder, language, experiment);
+  for (const SessionRow& row : evidence.finished) {
+    const auto language = row.fields.find("language"), prompt = row.fields.find("prompt");
+    if (language == row.fields.end()) continue;
+    std::set<std::string>& of_language = prompts[language->second];
+    if (prompt != row.fields.end()) {
+      of_language.insert(prompt->second);
+    } else if (of_language.empty()) {
+      of_language.merge(find_prompt(folder, language->second, experiment));
+    }
   }
+  prompts.erase("");
   return prompts;
 }
 

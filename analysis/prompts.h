@@ -17,8 +17,9 @@ using Prompts = std::map<std::string, std::set<std::string>>;
 /// Sessions by the language that they recorded; "" for those that did not.
 std::map<std::string, std::size_t> count_languages(const ExperimentEvidence& evidence);
 
-/// Of the languages of the finished sessions: `folder`/texts-LANGUAGE.json as it is now, else the English
-/// that is built in. errors: InputError for a file that is no JSON
+/// Of the languages of the finished sessions: what these recorded; of those that recorded no question
+/// `folder`/texts-LANGUAGE.json as it is now, else the English that is built in. errors: InputError for a
+/// file that is no JSON
 Prompts load_prompts(const std::filesystem::path& folder, const ExperimentEvidence& evidence,
                      Experiment experiment);
 

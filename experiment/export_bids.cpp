@@ -101,10 +101,16 @@ Json describe_session(const SessionRecord& record) {
   return session.set("fields", std::move(fields));
 }
 
+// As the subject read it; sessions of older programs recorded no question.
+std::string find_prompt(const SessionRow& row) {
+  const auto recorded = row.fields.find("prompt");
+  return recorded == row.fields.end() ? prompt_of(row.experiment) : recorded->second;
+}
+
 std::string format_session_sidecar(const SessionRecord& record) {
   Json json;
   json.set("TaskName", format_experiment(record.row.experiment));
-  json.set("Instructions", prompt_of(record.row.experiment));
+  json.set("Instructions", find_prompt(record.row));
   json.set("EquiluxSession", describe_session(record));
   describe_columns(json, trial_columns(ExportFormat::kBids));
   return format_json(json);

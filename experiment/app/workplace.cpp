@@ -98,6 +98,7 @@ Seat take_seat(Workplace& work, const std::map<std::string, std::string>& fields
   work.request.screen = make_screen_record(work);
   work.request.fields = find_screen_fields(work.setup, work.facts);
   work.request.fields.insert(fields.begin(), fields.end());
+  work.request.fields["prompt"] = work.texts.at("prompt_" + format_experiment(work.inputs.experiment));
   TrialLog log = work.log ? std::move(*work.log) : TrialLog(work.folder().responses(), true);
   work.log.reset();
   OpenSession open = open_session(work.inputs, log, work.request);

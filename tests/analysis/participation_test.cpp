@@ -159,6 +159,19 @@ TEST(Design, quotes_the_question_in_each_language_whose_texts_are_there) {
     EXPECT_NE(design.find(told), std::string::npos) << told << "\n" << design;
 }
 
+// What stood on the screen counts, whatever became of the texts.
+TEST(Design, quotes_the_question_that_a_session_recorded) {
+  const TempFolder folder;
+  save_text(folder / "texts-de.json", R"({"texts": {"prompt_artifact": "today"}})");
+  Evidence evidence = make_people();
+  for (SessionRow& row : evidence.artifact.finished)
+    row.fields = {{"language", "de"}, {"prompt", "as it was then"}};
+  const auto load = [&] { return load_prompts(folder.path(), evidence.artifact, Experiment::kArtifact); };
+  EXPECT_EQ(load(), (Prompts{{"de", {"as it was then"}}}));
+  evidence.artifact.finished[1].fields["prompt"] = "as it was later";
+  EXPECT_EQ(load(), (Prompts{{"de", {"as it was then", "as it was later"}}}));
+}
+
 TEST(Design, tells_pictures_trials_and_the_sessions_protocol) {
   const Study study = load_protocol("pocket");
   ReportSources sources;

@@ -249,6 +249,20 @@ TEST_F(Export, GivesResponseTimesToBidsInSeconds) {
   EXPECT_EQ(rows[2].back(), "1.500000001");
 }
 
+TEST_F(Export, TellsBidsTheQuestionThatStoodOnTheScreen) {
+  SessionRow row = make_fake_session(7);
+  row.participant = "P7";
+  row.fields = {{"prompt", "Select the image that lacks artifacts."}};
+  TrialLog(folder_.responses(), false).append_session(row, make_fake_trials(2));
+  const ExportFiles files = make(ExportFormat::kBids);
+  const auto question = [&](const std::string& code) {
+    const std::string file = fmt::format("sub-{0}/beh/sub-{0}_task-artifact_beh.json", code);
+    return parse_json(files.at(file), file).at("Instructions").as_string();
+  };
+  EXPECT_EQ(question("P7"), "Select the image that lacks artifacts.");
+  EXPECT_EQ(question("P1"), prompt_of(Experiment::kArtifact)) << "where none was recorded";
+}
+
 TEST_F(Export, MakesLabelsThatAreLegalAndApart) {
   EXPECT_EQ(make_bids_label("P01"), "P01");
   std::set<std::string> labels;
