@@ -100,6 +100,7 @@ void fill_in(StartForm& form, Key key) {
 struct StartInput {
   std::deque<InputEvent> waiting;
   bool is_submitted = false;
+  PageGuard guard;
 };
 
 void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
@@ -129,7 +130,9 @@ bool ask(AppWindow& window, Gui& gui, StartForm& form, StartInput& input) {
   }
   if (!gui.has_events() && std::exchange(input.is_submitted, false)) return true;
   window.wait(gui.has_events() || !input.waiting.empty() ? 0 : kPatienceS);
-  for (const InputEvent& event : window.take_events()) input.waiting.push_back(event);
+  for (const InputEvent& event : window.take_events()) {
+    if (input.guard.admit(event)) input.waiting.push_back(event);
+  }
   read_start_input(gui, form, input);
   return false;
 }
@@ -139,6 +142,8 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
                                            Gui& gui) {
   StartForm form = make_start_form(params);
   StartInput input;
+  for (int i = 0; i < kFramesToFocus; ++i) draw_start_frame(window, gui, form);
+  open_guard(window, gui, input.guard);
   while (!window.is_closing()) {
     if (!ask(window, gui, form, input)) continue;
     form.takes_focus = true;
@@ -188,8 +193,11 @@ std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool a
   const Intake intake = ask_intake(window, gui, work);
   if (intake.step == IntakeStep::kDone) return take_seat(work, find_fields(intake, work.inputs.protocol));
   if (intake.step == IntakeStep::kDeclined) {
-    show_message(window, gui, work.texts.at("declined_title"), {work.texts.at("declined_text")},
-                 work.texts.at("close"));
+    show_message(window, gui,
+                 {work.texts.at("declined_title"),
+                  {work.texts.at("declined_text")},
+                  work.texts.at("close"),
+                  work.texts.at("more_below")});
   }
   fmt::print("no session was begun: {}\n", intake.step == IntakeStep::kDeclined
                                                ? "the participant does not take part"

@@ -1,6 +1,7 @@
 // Fonts, colours and input of Dear ImGui 1.86.
 #include "experiment/app/gui.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
@@ -115,7 +116,45 @@ void Gui::skip(const std::vector<InputEvent>& events) {
   }
 }
 
+// ImGui moves between controls and sees no text above and below them.
+std::optional<float> Gui::find_scroll_target(Key key) const {
+  constexpr float kLines = 3, kPageShare = 0.85F;
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  const bool is_typing = context.IO.WantTextInput;
+  const bool scrolls_lines = scroll_.kind == PageKind::kText && context.NavDisableHighlight;
+  const float step = kLines * kTextPixels * text_scale_;
+  switch (key) {
+    case Key::kPageUp:
+      return scroll_.at - kPageShare * scroll_.height;
+    case Key::kPageDown:
+      return scroll_.at + kPageShare * scroll_.height;
+    case Key::kHome:
+      return is_typing ? std::nullopt : std::optional(0.0F);
+    case Key::kEnd:
+      return is_typing ? std::nullopt : std::optional(scroll_.most);
+    case Key::kUp:
+      return scrolls_lines && scroll_.at > 0 ? std::optional(scroll_.at - step) : std::nullopt;
+    case Key::kDown:
+      return scrolls_lines && scroll_.at < scroll_.most ? std::optional(scroll_.at + step) : std::nullopt;
+    default:
+      return std::nullopt;
+  }
+}
+
+// True for a key that scrolls. On a page of text it takes the frame off a control that may not be seen any
+// more.
+bool Gui::scroll_by_key(const InputEvent& event) {
+  if (event.kind != InputKind::kKeyPress && event.kind != InputKind::kKeyRepeat) return false;
+  const auto target = find_scroll_target(event.key);
+  if (!target) return false;
+  scroll_.at = std::clamp(*target, 0.0F, scroll_.most);
+  scroll_target_ = scroll_.at;
+  if (scroll_.kind == PageKind::kText) ImGui::GetCurrentContext()->NavDisableHighlight = true;
+  return true;
+}
+
 void Gui::forward(const InputEvent& event) {
+  if (scroll_by_key(event)) return;
   GLFWwindow* handle = window_->handle();
   switch (event.kind) {
     case InputKind::kKeyPress:
@@ -133,6 +172,10 @@ void Gui::forward(const InputEvent& event) {
     case InputKind::kKeyRepeat:  // ImGui repeats held keys by itself
       break;
   }
+}
+
+bool Gui::has_frame() const {
+  return ImGui::IsItemFocused() && !ImGui::GetCurrentContext()->NavDisableHighlight;
 }
 
 void Gui::leave_field() { ImGui::ClearActiveID(); }

@@ -16,6 +16,8 @@ namespace equilux {
 namespace {
 
 constexpr double kMetresPerInch = 0.0254;
+constexpr const char* kReadOn = "There is more below (Page Down).";
+constexpr int kFramesToSettle = 3;  // ImGui knows after two how long a page is
 
 template <std::size_t n>
 void copy_text(std::array<char, n>& target, const std::string& text) {
@@ -43,7 +45,7 @@ void draw_field(const char* label, char* text, std::size_t size, bool takes_focu
   ImGui::TextUnformatted(label);
   ImGui::SetNextItemWidth(-1);
   if (takes_focus) ImGui::SetKeyboardFocusHere();
-  ImGui::InputText(fmt::format("##{}", label).c_str(), text, size);
+  ImGui::InputText(fmt::format("##{}", label).c_str(), text, size, flags);
 }
 
 void draw_choice(int& experiment) {
@@ -151,8 +153,8 @@ void set_experiment(StartForm& form, Experiment experiment) {
   form.experiment = experiment == Experiment::kArtifact ? 0 : 1;
 }
 
-bool draw_start(const Gui& gui, Size framebuffer, StartForm& form) {
-  const Page page(gui, framebuffer, "New session");
+bool draw_start(Gui& gui, Size framebuffer, StartForm& form) {
+  const Page page(gui, framebuffer, "New session", PageKind::kForm, kReadOn);
   const bool takes_focus = std::exchange(form.takes_focus, false);
   const bool is_code_next = form.folder[0] != '\0' && form.participant[0] == '\0';
   draw_field("Study folder", form.folder.data(), form.folder.size(), takes_focus && !is_code_next);
@@ -179,8 +181,8 @@ SetupInput read_setup_form(const SetupForm& form) {
           read_number(read_text(form.distance_cm), 1, 10000) / 100};
 }
 
-bool draw_setup(const Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
-  const Page page(gui, framebuffer, "Set-up, for the experimenter");
+bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
+  const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format("Participant {}, {} experiment.", view.participant, view.experiment));
   page.say(describe_setup(view));
   draw_field("Diagonal of the visible screen, in inches", form.diagonal_inches.data(),
@@ -195,18 +197,36 @@ bool draw_setup(const Gui& gui, Size framebuffer, const SetupView& view, SetupFo
   return is_pressed;
 }
 
-std::optional<bool> draw_consent(const Gui& gui, Size framebuffer, const Texts& texts,
-                                 const Consent& consent) {
-  const Page page(gui, framebuffer, texts.at("consent_title"));
-  for (const std::string& paragraph : consent.text) page.say(paragraph);
-  if (page.press(texts.at("consent_agree"))) return true;
-  if (page.press(texts.at("consent_decline"))) return false;
+std::optional<bool> take_choice(const ConsentForm& form, bool agrees) {
+  if (agrees && !form.is_read) return std::nullopt;
+  return agrees;
+}
+
+std::optional<bool> find_choice(const ConsentForm& form, Key key) {
+  if (key == Key::kEnter) return take_choice(form, form.focused.value_or(true));
+  if (key == Key::kBackspace) return false;
   return std::nullopt;
 }
 
-bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
+std::optional<bool> draw_consent(Gui& gui, Size framebuffer, const Texts& texts, const Consent& consent,
+                                 ConsentForm& form) {
+  const Page page(gui, framebuffer, texts.at("consent_title"), PageKind::kText,
+                  texts.at(form.is_read ? "more_below" : "consent_read_on"));
+  for (const std::string& paragraph : consent.text) page.say(paragraph);
+  form.is_read = form.is_read || (++form.frames > kFramesToSettle && page.is_seen());
+  std::optional<bool> choice;
+  form.focused.reset();
+  for (const bool agrees : {true, false}) {
+    if (page.press(texts.at(agrees ? "consent_agree" : "consent_decline")))
+      choice = take_choice(form, agrees);
+    if (gui.has_frame()) form.focused = agrees;
+  }
+  return choice;
+}
+
+bool draw_questions(Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
                     Intake& intake, bool is_reminded) {
-  const Page page(gui, framebuffer, texts.at("questions_title"));
+  const Page page(gui, framebuffer, texts.at("questions_title"), PageKind::kForm, texts.at("more_below"));
   page.say(texts.at("questions_about"));
   page.leave_space();
   for (const AskedQuestion& asked : protocol.questions) draw_radio(texts, protocol, intake, asked);
@@ -219,9 +239,9 @@ bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const 
   return is_pressed;
 }
 
-bool draw_instructions(const Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text) {
+bool draw_instructions(Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text) {
   const std::string name = format_experiment(text.experiment);
-  const Page page(gui, framebuffer, texts.at("instructions_title"));
+  const Page page(gui, framebuffer, texts.at("instructions_title"), PageKind::kText, texts.at("more_below"));
   page.say(texts.at("instructions_" + name));
   page.say(texts.at("instructions_" + name + "_question"));
   page.say_indented(texts.at("prompt_" + name));
@@ -250,11 +270,10 @@ void draw_progress(const Layout& layout, const TrialProgress& progress) {
   list->AddRectFilled(ImVec2(left, top), ImVec2(left + full, top + kHeight), IM_COL32(64, 64, 64, 255));
 }
 
-bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
-                  const std::vector<std::string>& paragraphs, const std::string& button) {
-  const Page page(gui, framebuffer, title);
-  for (const std::string& paragraph : paragraphs) page.say(paragraph);
-  return page.press(button);
+bool draw_message(Gui& gui, Size framebuffer, const MessageText& text) {
+  const Page page(gui, framebuffer, text.title, PageKind::kText, text.read_on);
+  for (const std::string& paragraph : text.paragraphs) page.say(paragraph);
+  return page.press(text.button);
 }
 
 std::string describe_misfit(Size framebuffer, Size wanted, const std::string& way_on) {
@@ -270,8 +289,8 @@ std::string read_reason(const PauseForm& form) {
   return reason.empty() ? "ended by the experimenter" : reason;
 }
 
-PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form) {
-  const Page page(gui, framebuffer, "Paused, for the experimenter");
+PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form) {
+  const Page page(gui, framebuffer, "Paused, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format(
       "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
       view.progress.answered, view.progress.count));

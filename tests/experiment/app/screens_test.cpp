@@ -53,5 +53,30 @@ TEST(StartFormTest, EachFieldThatIsMissingIsNamed) {
   EXPECT_THAT(error_of(params), testing::HasSubstr("Study folder"));
 }
 
+TEST(ConsentFormTest, EnterIsTheChoiceThatHasTheFrame) {
+  ConsentForm form;
+  form.is_read = true;
+  EXPECT_EQ(find_choice(form, Key::kEnter), true) << "as its button says";
+  form.focused = true;
+  EXPECT_EQ(find_choice(form, Key::kEnter), true);
+  form.focused = false;
+  EXPECT_EQ(find_choice(form, Key::kEnter), false);
+  for (const auto focused : {std::optional<bool>(), std::optional(true), std::optional(false)}) {
+    form.focused = focused;
+    EXPECT_EQ(find_choice(form, Key::kBackspace), false);
+    EXPECT_EQ(find_choice(form, Key::kSpace), std::nullopt);
+  }
+}
+
+TEST(ConsentFormTest, NobodyAgreesToATextWhoseEndWasNotOnTheScreen) {
+  ConsentForm form;
+  EXPECT_EQ(find_choice(form, Key::kEnter), std::nullopt);
+  EXPECT_EQ(take_choice(form, true), std::nullopt);
+  EXPECT_EQ(take_choice(form, false), false);
+  EXPECT_EQ(find_choice(form, Key::kBackspace), false);
+  form.focused = false;
+  EXPECT_EQ(find_choice(form, Key::kEnter), false);
+}
+
 }  // namespace
 }  // namespace equilux
