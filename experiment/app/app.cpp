@@ -137,6 +137,13 @@ bool ask(AppWindow& window, Gui& gui, StartForm& form, StartInput& input) {
   return false;
 }
 
+// Whatever the subject is to read can be shown.
+Workplace prepare(const AppParams& params, const Display& display, AppWindow& window, Gui& gui) {
+  Workplace work = prepare_workplace(params, display, window);
+  gui.use_texts(list_shown_texts(work.folder(), work.inputs.protocol, work.texts));
+  return work;
+}
+
 // Empty if the window was closed. Errors stay on the screen until the next try.
 std::optional<Workplace> ask_for_workplace(const AppParams& params, const Display& display, AppWindow& window,
                                            Gui& gui) {
@@ -148,7 +155,7 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
     if (!ask(window, gui, form, input)) continue;
     form.takes_focus = true;
     try {
-      return prepare_workplace(read_start_form(form, params), display, window);
+      return prepare(read_start_form(form, params), display, window, gui);
     } catch (const InputError& error) {
       form.error = error.what();
     } catch (const StoreError& error) {
@@ -234,7 +241,7 @@ int run_app(const AppParams& given) {
   Gui gui(*window, static_cast<float>(params.text_scale));
   const bool is_asked = !is_complete(params);
   auto work = is_asked ? ask_for_workplace(params, display, *window, gui)
-                       : std::optional(prepare_workplace(params, display, *window));
+                       : std::optional(prepare(params, display, *window, gui));
   if (!work) return kExitOk;
   std::optional<Seat> seat;
   try {

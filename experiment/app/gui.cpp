@@ -17,8 +17,6 @@ namespace {
 constexpr const char* kFontPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kTextPixels = 22;
 constexpr float kTitlePixels = 32;
-// Latin, Greek, Cyrillic, general punctuation, arrows.
-constexpr ImWchar kGlyphs[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x205E, 0x2190, 0x21FF, 0};
 
 // Black on grey 128 has a contrast of 5.3 to 1, white on it 3.9.
 void set_colours(ImGuiStyle& style) {
@@ -75,7 +73,7 @@ Gui::Gui(AppWindow& window, float text_scale) : window_(&window), text_scale_(te
   io.LogFilename = nullptr;
   io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   set_style();
-  load_fonts();
+  load_fonts({});
   ImGui_ImplGlfw_InitForOpenGL(window.handle(), false);
   // Without a window manager no focus is reported; the pointer is ours nevertheless.
   ImGui_ImplGlfw_CursorEnterCallback(window.handle(), 1);
@@ -88,13 +86,30 @@ Gui::~Gui() {
   ImGui::DestroyContext();
 }
 
-void Gui::load_fonts() {
-  ImFontAtlas* fonts = ImGui::GetIO().Fonts;
-  if (std::filesystem::exists(kFontPath)) {
-    text_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTextPixels, nullptr, kGlyphs);
-    title_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTitlePixels, nullptr, kGlyphs);
+void Gui::use_texts(const std::vector<ShownText>& texts) {
+  if (make_glyph_ranges(texts) != glyph_ranges_) {
+    load_fonts(texts);
+    ImGui_ImplOpenGL3_DestroyDeviceObjects();  // made anew with the next frame
   }
-  if (text_font_ && title_font_) return;
+  check_glyphs(*text_font_, font_name_, texts);
+}
+
+void Gui::load_fonts(const std::vector<ShownText>& texts) {
+  ImFontAtlas* fonts = ImGui::GetIO().Fonts;
+  fonts->Clear();
+  text_font_ = title_font_ = nullptr;
+  glyph_ranges_ = make_glyph_ranges(texts);
+  const ImWchar* ranges = glyph_ranges_.data();
+  if (std::filesystem::exists(kFontPath)) {
+    font_name_ = kFontPath;
+    text_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTextPixels, nullptr, ranges);
+    title_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTitlePixels, nullptr, ranges);
+  }
+  if (text_font_ && title_font_) {
+    fonts->Build();
+    return;
+  }
+  font_name_ = "the plain font (package fonts-dejavu-core is missing)";
   fmt::print(stderr,
              "equilux-session: {} is missing (package fonts-dejavu-core); text is shown in a plain font\n",
              kFontPath);
@@ -103,6 +118,7 @@ void Gui::load_fonts() {
   text_font_ = fonts->AddFontDefault(&config);
   config.SizePixels = text_scale_ * kTitlePixels;
   title_font_ = fonts->AddFontDefault(&config);
+  fonts->Build();
 }
 
 void Gui::take(const std::vector<InputEvent>& events) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "experiment/app/glyphs.h"
 #include "experiment/app/window.h"
 
 struct ImFont;
@@ -33,6 +34,9 @@ class Gui {
   ~Gui();
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
+
+  /// Makes the fonts anew where these texts need more characters. Between frames. errors: as check_glyphs
+  void use_texts(const std::vector<ShownText>& texts);
 
   /// What the user did, for the controls of the next frames.
   void take(const std::vector<InputEvent>& events);
@@ -63,13 +67,15 @@ class Gui {
   ImFont* title_font() const { return title_font_; }
 
  private:
-  void load_fonts();
+  void load_fonts(const std::vector<ShownText>& texts);
   void forward(const InputEvent& event);
   bool scroll_by_key(const InputEvent& event);
   std::optional<float> find_scroll_target(Key key) const;
 
   AppWindow* window_;
   float text_scale_ = 1;
+  std::vector<unsigned short> glyph_ranges_;
+  std::string font_name_;
   std::deque<InputEvent> events_;
   PageScroll scroll_;
   std::optional<float> scroll_target_;

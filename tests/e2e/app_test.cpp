@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <thread>
 
+#include "base/files.h"
 #include "tests/e2e/app_fixture.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/raw_database.h"
@@ -391,6 +392,18 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), HasSubstr("G0-MS-ind-ref-v0.png: expected the digest"));
   EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
+}
+
+TEST_F(AppTest, ACharacterThatTheFontLacksIsRefusedBeforeAnythingIsShown) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  save_text(folder.session(), R"({"schema": "equilux-session", "schema_version": 1,
+    "consent": {"version": "1", "text": ["It takes 20 minutes \u2212 5 \u20ac.", "\u540c\u610f"]}})");
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  EXPECT_EQ(session.program().wait(), 1);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("session.json: /consent/text/1"));
+  EXPECT_THAT(session.program().read_output(), HasSubstr("got U+540C"));
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
 }
 
 }  // namespace
