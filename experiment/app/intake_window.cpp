@@ -98,18 +98,22 @@ Intake ask_questions(AppWindow& window, Gui& gui, const Workplace& work, Intake 
 }  // namespace
 
 bool ask_setup(AppWindow& window, Gui& gui, Workplace& work) {
-  SetupForm form = make_setup_form(work.setup_input.diagonal_m, work.setup.viewing_distance_m);
+  SetupForm form = make_setup_form(work.setup_input.diagonal_m);
   const Size picture{work.manifest.width, work.manifest.height};
   const auto draw = [&] {
     set_up(work, read_setup_form(form));
-    const SetupView view{&work.facts, &work.setup, find_least_framebuffer(picture), work.request.participant,
+    const SetupView view{&work.facts,
+                         &work.setup,
+                         work.inputs.study.viewing_distance_m,
+                         find_least_framebuffer(picture),
+                         work.request.participant,
                          format_experiment(work.inputs.experiment)};
     return draw_setup(gui, window.framebuffer(), view, form);
   };
   const auto read = [&](const InputEvent& event) {
     constexpr int kFirstCardPx = 320;
     if (is_press(event, Key::kF3)) form.card_px = form.card_px > 0 ? 0 : kFirstCardPx;
-    return is_press(event, Key::kEnter);
+    return is_press(event, Key::kEnter) && leave_setup(form);
   };
   const bool is_left = run_page(window, gui, {draw, read});
   set_up(work, read_setup_form(form));

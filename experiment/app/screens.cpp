@@ -33,15 +33,32 @@ std::string read_text(const std::array<char, n>& field) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// 0 for what is no number within the limits. Points and commas both separate decimals.
-double read_number(std::string text, double least, double most) {
+struct Limits {
+  double least;
+  double most;
+  const char* unit;
+};
+constexpr Limits kDiagonal{1, 1000, "inches"}, kDistance{1, 10000, "cm"};
+
+// Empty for what is no number within the limits. Points and commas both separate decimals.
+std::optional<double> read_number(std::string text, const Limits& limits) {
   std::replace(text.begin(), text.end(), ',', '.');
+  const bool has_letters = text.find_first_not_of("0123456789.") != std::string::npos;
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  return end != text.c_str() && *end == '\0' && value >= least && value <= most ? value : 0;
+  if (has_letters || end == text.c_str() || *end != '\0') return std::nullopt;
+  if (value < limits.least || value > limits.most) return std::nullopt;
+  return value;
 }
 
-void draw_field(const char* label, char* text, std::size_t size, bool takes_focus) {
+std::string describe_number_error(const std::string& text, const Limits& limits) {
+  if (text.empty() || read_number(text, limits)) return {};
+  return fmt::format("Expected a number of {} from {:g} to {:g}, without its unit; got \"{}\".", limits.unit,
+                     limits.least, limits.most, text);
+}
+
+void draw_field(const char* label, char* text, std::size_t size, bool takes_focus,
+                ImGuiInputTextFlags flags = 0) {
   ImGui::TextUnformatted(label);
   ImGui::SetNextItemWidth(-1);
   if (takes_focus) ImGui::SetKeyboardFocusHere();
@@ -73,9 +90,10 @@ std::string describe_setup(const SetupView& view) {
 std::string describe_degrees(const ViewingSetup& setup) {
   if (!setup.degrees) return "The size of a pixel is not known yet.";
   return fmt::format(
-      "At {:.1f} cm a picture spans {:.2f} x {:.2f} degrees; a pixel is {:.4f} mm wide (by the {}).",
-      100 * setup.viewing_distance_m, setup.degrees->wide, setup.degrees->high, 1000 * setup.pitch->x_m,
-      setup.pitch_source);
+      "At {:.1f} cm ({}) a picture spans {:.2f} x {:.2f} degrees; a pixel is {:.4f} mm wide (by the {}).",
+      100 * setup.viewing_distance_m,
+      setup.distance_source == kTypedDistance ? "typed" : "assumed: the study's", setup.degrees->wide,
+      setup.degrees->high, 1000 * setup.pitch->x_m, setup.pitch_source);
 }
 
 // A bar as wide as a card, to be compared with a real one.
@@ -169,32 +187,55 @@ bool draw_start(Gui& gui, Size framebuffer, StartForm& form) {
   return is_pressed;
 }
 
-SetupForm make_setup_form(double diagonal_m, double distance_m) {
+SetupForm make_setup_form(double diagonal_m) {
   SetupForm form;
   if (diagonal_m > 0) copy_text(form.diagonal_inches, fmt::format("{:g}", diagonal_m / kMetresPerInch));
-  copy_text(form.distance_cm, fmt::format("{:g}", 100 * distance_m));
   return form;
 }
 
+SetupErrors find_errors(const SetupForm& form) {
+  return {describe_number_error(read_text(form.diagonal_inches), kDiagonal),
+          describe_number_error(read_text(form.distance_cm), kDistance)};
+}
+
+bool is_right(const SetupForm& form) {
+  const SetupErrors errors = find_errors(form);
+  return errors.diagonal.empty() && errors.distance.empty();
+}
+
 SetupInput read_setup_form(const SetupForm& form) {
-  return {read_number(read_text(form.diagonal_inches), 1, 1000) * kMetresPerInch, form.card_px,
-          read_number(read_text(form.distance_cm), 1, 10000) / 100};
+  return {read_number(read_text(form.diagonal_inches), kDiagonal).value_or(0) * kMetresPerInch, form.card_px,
+          read_number(read_text(form.distance_cm), kDistance).value_or(0) / 100};
+}
+
+bool leave_setup(SetupForm& form) {
+  form.takes_focus = !is_right(form);
+  return !form.takes_focus;
 }
 
 bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
   const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format("Participant {}, {} experiment.", view.participant, view.experiment));
   page.say(describe_setup(view));
+  const SetupErrors errors = find_errors(form);
+  const bool takes_focus = std::exchange(form.takes_focus, false);
   draw_field("Diagonal of the visible screen, in inches", form.diagonal_inches.data(),
-             form.diagonal_inches.size(), false);
-  draw_field("Distance from the eyes to the screen, in cm", form.distance_cm.data(), form.distance_cm.size(),
-             false);
+             form.diagonal_inches.size(), takes_focus && !errors.diagonal.empty(),
+             ImGuiInputTextFlags_AutoSelectAll);
+  if (!errors.diagonal.empty()) page.warn(errors.diagonal);
+  draw_field(
+      fmt::format("Distance from the eyes to the screen, in cm (left empty, the study's {:g} is assumed)",
+                  100 * view.target_distance_m)
+          .c_str(),
+      form.distance_cm.data(), form.distance_cm.size(), takes_focus && errors.diagonal.empty(),
+      ImGuiInputTextFlags_AutoSelectAll);
+  if (!errors.distance.empty()) page.warn(errors.distance);
   draw_card_form(form);
   page.say(describe_degrees(*view.setup));
   const bool is_pressed = page.press("Continue (Enter)");
   page.leave_space();
   for (const std::string& remark : view.setup->remarks) page.warn(remark);
-  return is_pressed;
+  return is_pressed && leave_setup(form);
 }
 
 std::optional<bool> take_choice(const ConsentForm& form, bool agrees) {

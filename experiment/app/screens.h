@@ -42,10 +42,22 @@ bool draw_start(Gui& gui, Size framebuffer, StartForm& form);
 struct SetupForm {
   std::array<char, 16> diagonal_inches{};
   std::array<char, 16> distance_cm{};
-  int card_px = 0;  ///< 0: no card was held to the screen
+  int card_px = 0;           ///< 0: no card was held to the screen
+  bool takes_focus = false;  ///< the next frame puts the keyboard into the first field that is wrong
 };
 
-SetupForm make_setup_form(double diagonal_m, double distance_m);
+/// The distance is left to be typed.
+SetupForm make_setup_form(double diagonal_m);
+
+/// What is wrong with what was typed, a sentence for each field; empty where it is right, or nothing.
+struct SetupErrors {
+  std::string diagonal;
+  std::string distance;
+};
+SetupErrors find_errors(const SetupForm& form);
+bool is_right(const SetupForm& form);
+/// True where the form is right; else the keyboard goes to what is wrong.
+bool leave_setup(SetupForm& form);
 
 /// Numbers that cannot be read, or are not sizes, count as not given.
 SetupInput read_setup_form(const SetupForm& form);
@@ -54,6 +66,7 @@ SetupInput read_setup_form(const SetupForm& form);
 struct SetupView {
   const ScreenFacts* facts = nullptr;
   const ViewingSetup* setup = nullptr;
+  double target_distance_m = 0;
   Size least_framebuffer;
   std::string participant;
   std::string experiment;

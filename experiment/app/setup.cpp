@@ -67,8 +67,9 @@ ViewingSetup find_setup(const SetupInput& input, const ScreenFacts& facts, const
   const std::vector<NamedPitch> pitches = list_pitches(input, facts);
   setup.pitch_source = pitches.empty() ? "not known" : pitches[0].source;
   if (!pitches.empty()) setup.pitch = pitches[0].pitch;
-  setup.viewing_distance_m =
-      input.viewing_distance_m > 0 ? input.viewing_distance_m : target.viewing_distance_m;
+  const bool is_typed = input.viewing_distance_m > 0;
+  setup.viewing_distance_m = is_typed ? input.viewing_distance_m : target.viewing_distance_m;
+  setup.distance_source = is_typed ? kTypedDistance : kTargetDistance;
   if (setup.pitch) setup.degrees = find_degrees(picture, *setup.pitch, setup.viewing_distance_m);
   const std::string deviation = describe_deviation(setup.degrees, target.degrees, setup.viewing_distance_m);
   if (!deviation.empty()) setup.remarks.push_back(deviation);
@@ -80,6 +81,7 @@ ViewingSetup find_setup(const SetupInput& input, const ScreenFacts& facts, const
 std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup, const ScreenFacts& facts) {
   std::map<std::string, std::string> fields{
       {"pixel_pitch_source", setup.pitch_source},
+      {"viewing_distance_source", setup.distance_source},
       {"video_mode", fmt::format("{}x{}", facts.mode.width, facts.mode.height)},
       {"refresh_hz_nominal", fmt::format("{:g}", facts.mode_hz)},
       {"content_scale", fmt::format("{:g}", facts.content_scale)},

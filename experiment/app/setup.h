@@ -15,6 +15,9 @@ namespace equilux {
 /// A bank card's long side. source: ISO/IEC 7810, ID-1. units: m
 inline constexpr double kCardWidthM = 0.0856;
 
+inline constexpr const char* kTypedDistance = "typed";
+inline constexpr const char* kTargetDistance = "target";  ///< the study's, which nobody measured
+
 /// What the system says of a screen, and what was measured on it.
 struct ScreenFacts {
   std::string monitor;
@@ -46,6 +49,7 @@ struct ViewingSetup {
   std::optional<PixelPitch> pitch;
   std::string pitch_source;  ///< card, diagonal, system or not known
   double viewing_distance_m = 0;
+  std::string distance_source;       ///< kTypedDistance or kTargetDistance
   std::optional<Degrees> degrees;    ///< of one picture
   std::vector<std::string> remarks;  ///< for the experimenter: what is not as it should be
 };

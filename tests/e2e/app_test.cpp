@@ -406,5 +406,28 @@ TEST_F(AppTest, ACharacterThatTheFontLacksIsRefusedBeforeAnythingIsShown) {
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
 }
 
+TEST_F(AppTest, ADistanceThatIsNoNumberIsNotTakenForTheStudys) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  auto arguments = arguments_for(folder, "artifact");
+  arguments.push_back("--setup");
+  WatchedSession session(display, folder, kSmallPlan, arguments);
+  session.wait_for_error("setup-empty");  // which says that this screen's size is not known
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Tab");
+  display.type_key("Tab");
+  display.type_text("60cm");
+  display.type_key("Return");
+  session.wait_for_error("setup-no-number");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  display.type_text("61.5");  // the keyboard is in the field that is wrong
+  display.type_key("Return");
+  ASSERT_NE(session.wait_for_session(Experiment::kArtifact), 0);
+  const SessionRow row = TrialLog(folder.responses()).load_sessions().back();
+  EXPECT_DOUBLE_EQ(row.screen.viewing_distance_m.value_or(0), 0.615);
+  EXPECT_EQ(row.fields.at("viewing_distance_source"), "typed");
+}
+
 }  // namespace
 }  // namespace equilux

@@ -50,6 +50,9 @@ TEST(SetupTest, TheTypedDistanceTakesTheProtocolsPlace) {
   input.viewing_distance_m = .9144;
   const ViewingSetup setup = find_setup(input, make_facts(), kTarget, kPicture);
   EXPECT_EQ(setup.viewing_distance_m, .9144);
+  EXPECT_EQ(setup.distance_source, "typed");
+  input.viewing_distance_m = 0;
+  EXPECT_EQ(find_setup(input, make_facts(), kTarget, kPicture).distance_source, "target");
   EXPECT_THAT(setup.remarks, ElementsAre(AllOf(HasSubstr("at 91 cm"), HasSubstr("8.0 x 6.0"))));
 }
 
@@ -83,6 +86,7 @@ TEST(SetupTest, TheFieldsOfASessionTellHowItWasSetUp) {
   const ScreenFacts facts = make_facts();
   const auto fields = find_screen_fields(find_setup(input, facts, kTarget, kPicture), facts);
   EXPECT_EQ(fields.at("pixel_pitch_source"), "card");
+  EXPECT_EQ(fields.at("viewing_distance_source"), "target");
   EXPECT_EQ(fields.at("pixel_pitch_x_mm"), "0.22949");
   EXPECT_EQ(fields.at("refresh_hz_measured"), "59.940");
   EXPECT_EQ(fields.at("video_mode"), "1600x1200");
