@@ -14,6 +14,7 @@
 #include "experiment/app/intake_window.h"
 #include "experiment/app/screens.h"
 #include "experiment/app/session_window.h"
+#include "experiment/app/stop.h"
 #include "experiment/app/window.h"
 #include "experiment/app/workplace.h"
 
@@ -249,8 +250,10 @@ int run_app(const AppParams& given) {
     if (!seat) return kExitOk;
     SessionWindow(*window, gui, *work, *seat, make_pilot(params, *work, *seat)).run();
   } catch (const std::exception& error) {
+    if (seat) record_stop(*seat, error.what());
     // A planted subject has nobody beside it who could read and close the screen.
-    if (!params.planted_seed) show_stop(*window, gui, work->texts, error.what());
+    if (!params.planted_seed)
+      show_stop(*window, gui, *work, seat ? find_stop_state(*seat) : StopState::kNotBegun, error.what());
     throw;
   }
   print_outcome(*work, *seat);

@@ -392,15 +392,4 @@ bool SessionWindow::lay_out_last_page() const {
   return lay_out_message(is_whole ? "thanks_title" : "aborted_title", paragraphs, "close");
 }
 
-void show_stop(AppWindow& window, Gui& gui, const Texts& texts, const std::string& message) {
-  show_message(
-      window, gui,
-      {texts.at("stopped_title"),
-       {texts.at("stopped_call"), message,
-        "What was recorded until now is safe. Remove the cause, then start the same experiment with the same "
-        "participant code: it goes on at the first question without a recorded answer."},
-       texts.at("close"),
-       texts.at("more_below")});
-}
-
 }  // namespace equilux

@@ -94,7 +94,4 @@ class SessionWindow {
 std::vector<std::string> summarise(const Session& session, const SessionProtocol& protocol,
                                    const std::map<std::string, int>& notes);
 
-/// A page that says what went wrong and what to do; until it is left.
-void show_stop(AppWindow& window, Gui& gui, const Texts& texts, const std::string& message);
-
 }  // namespace equilux

@@ -394,6 +394,41 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
 }
 
+// The pair after the next is read while one is looked at. Which picture it was the log and the terminal tell.
+TEST_F(AppTest, APictureThatChangesMeanwhileInterruptsTheSessionWhichGoesOnWhenItIsMended) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  std::int64_t id = 0;
+  std::string key;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    const auto trials = session.load_trials(id);
+    key = trials[2].test_key;
+    const auto path = folder.picture_folder() / (key + ".png");
+    const std::string kept = load_text(path);
+    std::ofstream(path, std::ios::app) << 'x';
+    display.type_key("space");
+    session.wait_for_trial(trials[0]);
+    ASSERT_FALSE(HasFatalFailure());
+    session.answer_by_key(Side::kLeft);
+    session.wait_for_page("stopped-by-picture");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    EXPECT_EQ(session.program().wait(), 1);
+    EXPECT_THAT(session.program().read_output(), HasSubstr(key));
+    EXPECT_THAT(load_details(folder, "interrupt"), HasSubstr(key));
+    save_text(path, kept);
+  }
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  session.wait_for_trial(session.load_trials(id)[1]);
+}
+
 TEST_F(AppTest, ACharacterThatTheFontLacksIsRefusedBeforeAnythingIsShown) {
   const StudyFolder folder = make_study(kSmallPlan);
   save_text(folder.session(), R"({"schema": "equilux-session", "schema_version": 1,
