@@ -379,15 +379,16 @@ bool SessionWindow::lay_out_message(const std::string& title, const std::vector<
 bool SessionWindow::lay_out_last_page() const {
   const Texts& texts = work_->texts;
   const bool is_whole = session().screen == Screen::kThanks;
+  const std::string your_code = texts.fill("your_code", {{"code", seat_->open.row.participant}});
   std::vector<std::string> paragraphs;
   if (shows_summary_) {
     paragraphs = summarise(session(), work_->inputs.protocol, seat_->notes);
   } else if (is_whole) {
-    paragraphs = {texts.at("thanks_text"), texts.at("thanks_tell")};
+    paragraphs = {texts.at("thanks_text"), your_code, texts.at("thanks_tell")};
   } else {
     paragraphs = {texts.fill("aborted_text", {{"answered", number(count_main(session(), true))},
                                               {"count", number(count_main(session(), false))}}),
-                  texts.at("aborted_tell")};
+                  your_code, texts.at("aborted_tell")};
   }
   return lay_out_message(is_whole ? "thanks_title" : "aborted_title", paragraphs, "close");
 }
