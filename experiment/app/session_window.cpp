@@ -13,8 +13,6 @@ namespace {
 
 constexpr double kPatienceS = 0.1;  // between two looks at the clock when nothing happens
 constexpr double kPilotPatienceS = 0.002;
-// A pair that takes longer from its drawing to the screen is noted: two frames, and never less than this,
-// which a screen that does not wait for its frames may need.
 
 bool is_main(const TrialRow& trial) { return trial.phase != Phase::kPractice; }
 
@@ -146,7 +144,7 @@ void SessionWindow::show(int trial) {
   take(ShownEvent{trial, onset_ns});
   input_.open(onset_ns);
   const std::int64_t took_ns = onset_ns - begin_ns;
-  if (is_slow_showing(took_ns, work_->facts.measured_hz)) {
+  if (is_slow_showing(took_ns, work_->facts)) {
     const double took_ms = static_cast<double>(took_ns) / 1e6;
     take(NoteEvent{"slow_frame", fmt::format("trial {}: {:.0f} ms", trial, took_ms), onset_ns});
   }

@@ -9,7 +9,7 @@ namespace equilux {
 namespace {
 
 constexpr double kPitchTolerance = 0.03;  // between card, diagonal and system
-constexpr double kSlowFrames = 2, kSlowNs = 50e6;
+constexpr double kDroppedFrames = 1.5, kSlowFrames = 2, kSlowNs = 50e6;
 constexpr double kRefreshTolerance = 0.05;  // between measured and nominal
 
 struct NamedPitch {
@@ -51,8 +51,7 @@ void remark_on_screen(const ScreenFacts& facts, std::vector<std::string>& remark
   if (facts.gamma_ramp == "changed")
     remarks.push_back(
         "the graphics card's gamma ramp is not the identity (a night light or a calibration changes it).");
-  if (!facts.measured_hz || facts.mode_hz <= 0) return;
-  if (std::abs(*facts.measured_hz / facts.mode_hz - 1) <= kRefreshTolerance) return;
+  if (!facts.measured_hz || facts.mode_hz <= 0 || is_in_step(facts)) return;
   remarks.push_back(
       fmt::format("frames come at {:.1f} Hz where the screen's mode says {:.0f} Hz: times of onset are "
                   "not in step with the screen.",
@@ -97,9 +96,16 @@ std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup,
   return fields;
 }
 
-bool is_slow_showing(std::int64_t took_ns, std::optional<double> measured_hz) {
-  const double frame_ns = measured_hz && *measured_hz > 0 ? 1e9 / *measured_hz : 0;
-  return static_cast<double>(took_ns) > std::max(kSlowNs, kSlowFrames * frame_ns);
+bool is_in_step(const ScreenFacts& facts) {
+  return facts.measured_hz && *facts.measured_hz > 0 && facts.mode_hz > 0 &&
+         std::abs(*facts.measured_hz / facts.mode_hz - 1) <= kRefreshTolerance;
+}
+
+bool is_slow_showing(std::int64_t took_ns, const ScreenFacts& facts) {
+  const double frame_ns = facts.measured_hz && *facts.measured_hz > 0 ? 1e9 / *facts.measured_hz : 0;
+  const double most_ns =
+      is_in_step(facts) ? kDroppedFrames * frame_ns : std::max(kSlowNs, kSlowFrames * frame_ns);
+  return static_cast<double>(took_ns) > most_ns;
 }
 
 std::optional<double> find_refresh_hz(const std::vector<std::int64_t>& shown_ns) {
