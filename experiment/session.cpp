@@ -107,7 +107,12 @@ Effects take(Session& session, const ContinueEvent& event) {
 }
 
 Effects take(Session& session, const BackEvent&) {
-  if (session.screen == Screen::kFamiliar && session.page > 0) --session.page;
+  if (session.screen != Screen::kFamiliar) return {};
+  if (session.page == 0) {
+    session.screen = Screen::kInstructions;
+  } else {
+    --session.page;
+  }
   return {};
 }
 

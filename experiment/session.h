@@ -14,7 +14,8 @@ namespace equilux {
 /// What the subject is looking at.
 enum class Screen {
   kInstructions,  ///< the question and how to answer; waits for ContinueEvent
-  kFamiliar,      ///< a page of the familiarisation; ContinueEvent and BackEvent turn it
+  kFamiliar,      ///< a page of the familiarisation; ContinueEvent and BackEvent turn it, back to the
+                  ///< instructions
   kPractice,      ///< practice is about to begin; waits for ContinueEvent
   kFeedback,      ///< whether the practice answer was right; waits for ContinueEvent
   kMain,          ///< practice is over; waits for ContinueEvent

@@ -76,8 +76,12 @@ std::string Texts::fill(const std::string& name,
   return text;
 }
 
+std::filesystem::path find_texts_file(const std::string& language, const std::filesystem::path& folder) {
+  return folder / ("texts-" + language + ".json");
+}
+
 Texts load_texts(const std::string& language, const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / ("texts-" + language + ".json");
+  const std::filesystem::path path = find_texts_file(language, folder);
   if (!path_exists(path)) {
     if (language != kBuiltIn)
       throw InputError(path.string(), "", fmt::format("the texts of the protocol's language, {}", language),

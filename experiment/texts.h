@@ -25,6 +25,9 @@ class Texts {
   std::map<std::string, std::string> texts_;
 };
 
+/// Where a study folder keeps the texts of a language.
+std::filesystem::path find_texts_file(const std::string& language, const std::filesystem::path& folder);
+
 /// `folder`/texts-LANGUAGE.json where there is one, else the English that is built in. errors: InputError for
 /// another language without a file, and for a file that lacks a name, has one too many, or other {places} in
 /// a text.

@@ -18,7 +18,7 @@ export DISPLAY LIBGL_ALWAYS_SOFTWARE=1
 
 shoot() { sleep 1.2; import -window root "$work/$1.png"; }
 press() { for key in "$@"; do sleep .6; xdotool key "$key"; done; }
-choose() { sleep .3; xdotool mousemove "$1" "$2" click 1; }
+choose() { sleep .6; xdotool mousemove "$1" "$2" click 1; }
 
 # The subject's screens, and what the experimenter sees before, between and after.
 (cd "$work" && "$bin/equilux-session" run pocket >"$work/artifact.log" 2>&1) &
@@ -50,14 +50,25 @@ press Return; sleep 1
 
 # Somebody declines.
 (cd "$work" && "$bin/equilux-session" run pocket --experiment artifact --participant decliner >/dev/null 2>&1) &
-sleep 3
+sleep 4
 press BackSpace; shoot declined
+press Return; sleep 1
+
+# A window that becomes another size, then closed; the session goes on, until its log cannot be written.
+resumed() { (cd "$work" && exec "$bin/equilux-session" run pocket --experiment artifact --participant RESUME >/dev/null 2>&1) & program=$!; sleep 4; }
+resumed
+press Return; choose 274 441; choose 274 567; press Return space space space space space space space space space Right
+window=$(xdotool search --name Equilux | head -1)
+xdotool windowsize "$window" 1000 800; shoot wrong-size
+kill $program; sleep 1
+resumed; shoot resumed
+prlimit --pid $program --fsize=0; press space; shoot stopped
 press Return; sleep 1
 
 # Material, as far as its first pair; then the session is ended.
 "$bin/equilux-analyze" prune --kind person "$folder" >/dev/null
 (cd "$work" && "$bin/equilux-session" run pocket --experiment material --participant ABC234 >/dev/null 2>&1) &
-sleep 3
+sleep 4
 press Return; choose 274 441; choose 274 567; press Return space space space space space; shoot material-example
 press space space space; shoot material
 xdotool keydown Escape; sleep 2.6; xdotool keyup Escape; press F2; shoot ended
@@ -95,6 +106,7 @@ sheet() {
 }
 sheet session-screens 3 consent questions instructions object example practice artifact-practice feedback main artifact \
   material-example material break thanks declined
-sheet session-experimenter 3 start setup setup-card questions-missing pause ended summary error browse-difference
+sheet session-experimenter 3 start setup setup-card questions-missing pause wrong-size resumed stopped ended summary error \
+  browse-difference
 convert "$work/browse.png" -resize 70% -strip -depth 8 "$out/session-browse.png"
 convert "$work/browse-results.png" -resize 70% -strip -depth 8 "$out/session-results.png"

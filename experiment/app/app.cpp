@@ -14,6 +14,7 @@
 #include "experiment/app/intake_window.h"
 #include "experiment/app/screens.h"
 #include "experiment/app/session_window.h"
+#include "experiment/app/stop.h"
 #include "experiment/app/window.h"
 #include "experiment/app/workplace.h"
 
@@ -100,6 +101,7 @@ void fill_in(StartForm& form, Key key) {
 struct StartInput {
   std::deque<InputEvent> waiting;
   bool is_submitted = false;
+  PageGuard guard;
 };
 
 void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
@@ -129,9 +131,18 @@ bool ask(AppWindow& window, Gui& gui, StartForm& form, StartInput& input) {
   }
   if (!gui.has_events() && std::exchange(input.is_submitted, false)) return true;
   window.wait(gui.has_events() || !input.waiting.empty() ? 0 : kPatienceS);
-  for (const InputEvent& event : window.take_events()) input.waiting.push_back(event);
+  for (const InputEvent& event : window.take_events()) {
+    if (input.guard.admit(event)) input.waiting.push_back(event);
+  }
   read_start_input(gui, form, input);
   return false;
+}
+
+// Whatever the subject is to read can be shown.
+Workplace prepare(const AppParams& params, const Display& display, AppWindow& window, Gui& gui) {
+  Workplace work = prepare_workplace(params, display, window);
+  gui.use_texts(list_shown_texts(work.folder(), work.inputs.protocol, work.texts));
+  return work;
 }
 
 // Empty if the window was closed. Errors stay on the screen until the next try.
@@ -139,11 +150,13 @@ std::optional<Workplace> ask_for_workplace(const AppParams& params, const Displa
                                            Gui& gui) {
   StartForm form = make_start_form(params);
   StartInput input;
+  for (int i = 0; i < kFramesToFocus; ++i) draw_start_frame(window, gui, form);
+  open_guard(window, gui, input.guard);
   while (!window.is_closing()) {
     if (!ask(window, gui, form, input)) continue;
     form.takes_focus = true;
     try {
-      return prepare_workplace(read_start_form(form, params), display, window);
+      return prepare(read_start_form(form, params), display, window, gui);
     } catch (const InputError& error) {
       form.error = error.what();
     } catch (const StoreError& error) {
@@ -188,8 +201,11 @@ std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool a
   const Intake intake = ask_intake(window, gui, work);
   if (intake.step == IntakeStep::kDone) return take_seat(work, find_fields(intake, work.inputs.protocol));
   if (intake.step == IntakeStep::kDeclined) {
-    show_message(window, gui, work.texts.at("declined_title"), {work.texts.at("declined_text")},
-                 work.texts.at("close"));
+    show_message(window, gui,
+                 {work.texts.at("declined_title"),
+                  {work.texts.at("declined_text")},
+                  work.texts.at("close"),
+                  work.texts.at("more_below")});
   }
   fmt::print("no session was begun: {}\n", intake.step == IntakeStep::kDeclined
                                                ? "the participant does not take part"
@@ -228,7 +244,7 @@ int run_app(const AppParams& given) {
   Gui gui(*window, static_cast<float>(params.text_scale));
   const bool is_asked = !is_complete(params);
   auto work = is_asked ? ask_for_workplace(params, display, *window, gui)
-                       : std::optional(prepare_workplace(params, display, *window));
+                       : std::optional(prepare(params, display, *window, gui));
   if (!work) return kExitOk;
   std::optional<Seat> seat;
   try {
@@ -236,8 +252,10 @@ int run_app(const AppParams& given) {
     if (!seat) return kExitOk;
     SessionWindow(*window, gui, *work, *seat, make_pilot(params, *work, *seat)).run();
   } catch (const std::exception& error) {
+    if (seat) record_stop(*seat, error.what());
     // A planted subject has nobody beside it who could read and close the screen.
-    if (!params.planted_seed) show_stop(*window, gui, work->texts, error.what());
+    if (!params.planted_seed)
+      show_stop(*window, gui, *work, seat ? find_stop_state(*seat) : StopState::kNotBegun, error.what());
     throw;
   }
   print_outcome(*work, *seat);

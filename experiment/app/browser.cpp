@@ -96,11 +96,14 @@ class Browser {
     forget_pictures();
   }
 
-  // A picture that is being made anew, or was changed, ends no rendering.
-  void try_loading(const std::function<void()>& load) {
+  // A picture that is being made anew, or was changed, ends no rendering; nor does a file that cannot be
+  // saved.
+  void try_to(const std::function<void()>& act) {
     try {
-      load();
+      act();
     } catch (const InputError& error) {
+      message_ = error.what();
+    } catch (const StoreError& error) {
       message_ = error.what();
     }
   }
@@ -111,7 +114,7 @@ class Browser {
     if (number == counts().size() * levels) return false;
     const std::string key = key_of(number / levels, number % levels);
     std::optional<Texture> texture;
-    try_loading([&] {
+    try_to([&] {
       if (!has(key)) return;
       const LdrImage image = load_picture(folder_, *view_.manifest, key);
       texture = Texture(make_thumbnail(image, std::max(1, image.width / kThumbnailWidth)));
@@ -135,12 +138,10 @@ class Browser {
 
   void shift(int steps) {
     if (!view_.windows) return;
-    try {
+    try_to([&] {
       view_.windows = save_shifted_window(folder_, view_.study, column(place_.count), steps);
       message_.clear();
-    } catch (const InputError& error) {
-      message_ = error.what();
-    }
+    });
   }
 
   void begin_render() {
@@ -151,12 +152,12 @@ class Browser {
           folder_.root.string(), view_.study.name);
       return;
     }
-    render_.start(params_.study_file, folder_.root);
+    try_to([&] { render_.start(params_.study_file, folder_.root); });
   }
 
   void watch_render() {
     const RenderState before = render_state_;
-    render_state_ = render_.poll();
+    try_to([&] { render_state_ = render_.poll(); });  // which may begin one that was waiting
     if (is_active(before) && !is_active(render_state_)) refresh();
   }
 
@@ -400,7 +401,7 @@ class Browser {
       shows_picture_ = false;
       return;
     }
-    if (shown_.empty()) try_loading([&] { load_shown(key, reference); });
+    if (shown_.empty()) try_to([&] { load_shown(key, reference); });
     shows_picture_ = shown_.size() == 2;
     if (!shows_picture_) return draw_grid();
     const Size size = window_.framebuffer();

@@ -1,6 +1,7 @@
 // Fonts, colours and input of Dear ImGui 1.86.
 #include "experiment/app/gui.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
@@ -16,8 +17,6 @@ namespace {
 constexpr const char* kFontPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float kTextPixels = 22;
 constexpr float kTitlePixels = 32;
-// Latin, Greek, Cyrillic, general punctuation, arrows.
-constexpr ImWchar kGlyphs[] = {0x0020, 0x024F, 0x0370, 0x052F, 0x2010, 0x205E, 0x2190, 0x21FF, 0};
 
 // Black on grey 128 has a contrast of 5.3 to 1, white on it 3.9.
 void set_colours(ImGuiStyle& style) {
@@ -74,7 +73,7 @@ Gui::Gui(AppWindow& window, float text_scale) : window_(&window), text_scale_(te
   io.LogFilename = nullptr;
   io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   set_style();
-  load_fonts();
+  load_fonts({});
   ImGui_ImplGlfw_InitForOpenGL(window.handle(), false);
   // Without a window manager no focus is reported; the pointer is ours nevertheless.
   ImGui_ImplGlfw_CursorEnterCallback(window.handle(), 1);
@@ -87,13 +86,30 @@ Gui::~Gui() {
   ImGui::DestroyContext();
 }
 
-void Gui::load_fonts() {
-  ImFontAtlas* fonts = ImGui::GetIO().Fonts;
-  if (std::filesystem::exists(kFontPath)) {
-    text_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTextPixels, nullptr, kGlyphs);
-    title_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTitlePixels, nullptr, kGlyphs);
+void Gui::use_texts(const std::vector<ShownText>& texts) {
+  if (make_glyph_ranges(texts) != glyph_ranges_) {
+    load_fonts(texts);
+    ImGui_ImplOpenGL3_DestroyDeviceObjects();  // made anew with the next frame
   }
-  if (text_font_ && title_font_) return;
+  check_glyphs(*text_font_, font_name_, texts);
+}
+
+void Gui::load_fonts(const std::vector<ShownText>& texts) {
+  ImFontAtlas* fonts = ImGui::GetIO().Fonts;
+  fonts->Clear();
+  text_font_ = title_font_ = nullptr;
+  glyph_ranges_ = make_glyph_ranges(texts);
+  const ImWchar* ranges = glyph_ranges_.data();
+  if (std::filesystem::exists(kFontPath)) {
+    font_name_ = kFontPath;
+    text_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTextPixels, nullptr, ranges);
+    title_font_ = fonts->AddFontFromFileTTF(kFontPath, text_scale_ * kTitlePixels, nullptr, ranges);
+  }
+  if (text_font_ && title_font_) {
+    fonts->Build();
+    return;
+  }
+  font_name_ = "the plain font (package fonts-dejavu-core is missing)";
   fmt::print(stderr,
              "equilux-session: {} is missing (package fonts-dejavu-core); text is shown in a plain font\n",
              kFontPath);
@@ -102,6 +118,7 @@ void Gui::load_fonts() {
   text_font_ = fonts->AddFontDefault(&config);
   config.SizePixels = text_scale_ * kTitlePixels;
   title_font_ = fonts->AddFontDefault(&config);
+  fonts->Build();
 }
 
 void Gui::take(const std::vector<InputEvent>& events) {
@@ -115,7 +132,45 @@ void Gui::skip(const std::vector<InputEvent>& events) {
   }
 }
 
+// ImGui moves between controls and sees no text above and below them.
+std::optional<float> Gui::find_scroll_target(Key key) const {
+  constexpr float kLines = 3, kPageShare = 0.85F;
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  const bool is_typing = context.IO.WantTextInput;
+  const bool scrolls_lines = scroll_.kind == PageKind::kText && context.NavDisableHighlight;
+  const float step = kLines * kTextPixels * text_scale_;
+  switch (key) {
+    case Key::kPageUp:
+      return scroll_.at - kPageShare * scroll_.height;
+    case Key::kPageDown:
+      return scroll_.at + kPageShare * scroll_.height;
+    case Key::kHome:
+      return is_typing ? std::nullopt : std::optional(0.0F);
+    case Key::kEnd:
+      return is_typing ? std::nullopt : std::optional(scroll_.most);
+    case Key::kUp:
+      return scrolls_lines && scroll_.at > 0 ? std::optional(scroll_.at - step) : std::nullopt;
+    case Key::kDown:
+      return scrolls_lines && scroll_.at < scroll_.most ? std::optional(scroll_.at + step) : std::nullopt;
+    default:
+      return std::nullopt;
+  }
+}
+
+// True for a key that scrolls. On a page of text it takes the frame off a control that may not be seen any
+// more.
+bool Gui::scroll_by_key(const InputEvent& event) {
+  if (event.kind != InputKind::kKeyPress && event.kind != InputKind::kKeyRepeat) return false;
+  const auto target = find_scroll_target(event.key);
+  if (!target) return false;
+  scroll_.at = std::clamp(*target, 0.0F, scroll_.most);
+  scroll_target_ = scroll_.at;
+  if (scroll_.kind == PageKind::kText) ImGui::GetCurrentContext()->NavDisableHighlight = true;
+  return true;
+}
+
 void Gui::forward(const InputEvent& event) {
+  if (scroll_by_key(event)) return;
   GLFWwindow* handle = window_->handle();
   switch (event.kind) {
     case InputKind::kKeyPress:
@@ -133,6 +188,10 @@ void Gui::forward(const InputEvent& event) {
     case InputKind::kKeyRepeat:  // ImGui repeats held keys by itself
       break;
   }
+}
+
+bool Gui::has_frame() const {
+  return ImGui::IsItemFocused() && !ImGui::GetCurrentContext()->NavDisableHighlight;
 }
 
 void Gui::leave_field() { ImGui::ClearActiveID(); }

@@ -3,9 +3,49 @@
 
 namespace equilux {
 
+void PageGuard::open(std::int64_t time_ns, std::int64_t guard_ns, bool needs_quiet) {
+  from_ns_ = time_ns + guard_ns;
+  guard_ns_ = guard_ns;
+  needs_quiet_ = needs_quiet;
+  stale_ = down_;
+  is_last_key_admitted_ = stale_.empty();
+}
+
+bool PageGuard::admit(const InputEvent& event) {
+  const Source source{event.key, event.code};
+  switch (event.kind) {
+    case InputKind::kKeyPress:
+      return is_last_key_admitted_ = admit_press(event);
+    case InputKind::kMousePress:
+      return admit_press(event);
+    case InputKind::kKeyRepeat:
+      return is_last_key_admitted_ = !stale_.contains(source);
+    case InputKind::kCharacter:
+      return is_last_key_admitted_;
+    case InputKind::kScroll:
+      return event.time_ns >= from_ns_;
+    case InputKind::kKeyRelease:
+    case InputKind::kMouseRelease:
+      down_.erase(source);
+      stale_.erase(source);
+      return true;
+  }
+  return true;
+}
+
+bool PageGuard::admit_press(const InputEvent& event) {
+  const Source source{event.key, event.code};
+  const bool is_new = down_.insert(source).second;
+  if (is_new && event.time_ns >= from_ns_) return true;
+  stale_.insert(source);
+  if (needs_quiet_ && event.time_ns < from_ns_) from_ns_ = event.time_ns + guard_ns_;
+  return false;
+}
+
 void SubjectInput::open(std::int64_t onset_ns) { onset_ns_ = onset_ns; }
 
 std::optional<SessionEvent> SubjectInput::read(const InputEvent& event, Screen screen) {
+  is_admitted_ = guard_.admit(event);
   switch (event.kind) {
     case InputKind::kKeyPress:
       return read_key_press(event, screen);
@@ -32,22 +72,25 @@ std::optional<SessionEvent> SubjectInput::find_pause(std::int64_t now_ns) {
   return PauseEvent{now_ns};
 }
 
-// Pages are left by Space or Enter. Those that come right after an answer wait a moment, so that an answer
-// pressed twice does not leave them unseen.
+// Pages are left by Space or Enter, once they can have been seen.
 std::optional<SessionEvent> SubjectInput::turn(std::int64_t time_ns, Screen screen) const {
+  if (!is_admitted_) return std::nullopt;
   switch (screen) {
     case Screen::kInstructions:
     case Screen::kFamiliar:
     case Screen::kPractice:
-      return ContinueEvent{time_ns};
     case Screen::kFeedback:
     case Screen::kMain:
     case Screen::kBreak:
-      if (time_ns - page_from_ns_ < kPageGuardNs) return std::nullopt;
       return ContinueEvent{time_ns};
     default:
       return std::nullopt;
   }
+}
+
+std::optional<SessionEvent> SubjectInput::turn_back(std::int64_t time_ns, Screen screen) const {
+  if (!is_admitted_ || screen != Screen::kFamiliar) return std::nullopt;
+  return BackEvent{time_ns};
 }
 
 std::optional<SessionEvent> SubjectInput::read_key_press(const InputEvent& event, Screen screen) {
@@ -63,8 +106,7 @@ std::optional<SessionEvent> SubjectInput::read_key_press(const InputEvent& event
     case Key::kEnter:
       return turn(event.time_ns, screen);
     case Key::kBackspace:
-      if (screen == Screen::kFamiliar) return BackEvent{event.time_ns};
-      return std::nullopt;
+      return turn_back(event.time_ns, screen);
     default:
       return std::nullopt;
   }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "experiment/app/layout.h"
 #include "experiment/session.h"
@@ -12,12 +13,30 @@
 namespace equilux {
 
 inline constexpr std::int64_t kPauseHoldNs = 2'000'000'000;  ///< Escape is held this long to pause a session
-inline constexpr std::int64_t kPageGuardNs =
-    300'000'000;                         ///< a page after an answer takes no press before that
-inline constexpr int kAnswerButton = 0;  ///< the left mouse button
+inline constexpr std::int64_t kPageGuardNs = 300'000'000;    ///< a page takes no press before that
+inline constexpr std::int64_t kConsentGuardNs = 1'000'000'000;  ///< likewise, of the consent text
+inline constexpr int kAnswerButton = 0;                         ///< the left mouse button
 
 /// What the session knows of keys; everything else is for text fields.
-enum class Key { kLeft, kRight, kSpace, kEnter, kEscape, kF1, kF2, kF3, kF4, kBackspace, kOther };
+enum class Key {
+  kLeft,
+  kRight,
+  kSpace,
+  kEnter,
+  kEscape,
+  kF1,
+  kF2,
+  kF3,
+  kF4,
+  kBackspace,
+  kUp,
+  kDown,
+  kPageUp,
+  kPageDown,
+  kHome,
+  kEnd,
+  kOther
+};
 
 enum class InputKind { kKeyPress, kKeyRelease, kKeyRepeat, kMousePress, kMouseRelease, kCharacter, kScroll };
 
@@ -33,6 +52,30 @@ struct InputEvent {
   int modifiers = 0;
 };
 
+/// Keeps from a page what was begun before anybody can have seen it: presses before the guard time is over,
+/// and keys and buttons held from before, until they are pressed anew.
+class PageGuard {
+ public:
+  /// The page is on the screen since then. Where `needs_quiet` a press within the guard time begins it anew,
+  /// so that keys pressed again and again without looking never leave the page.
+  void open(std::int64_t time_ns, std::int64_t guard_ns = kPageGuardNs, bool needs_quiet = false);
+
+  /// Whether the page may see it. Every event of the window is to be told, in order.
+  bool admit(const InputEvent& event);
+
+ private:
+  using Source = std::pair<Key, int>;
+
+  bool admit_press(const InputEvent& event);
+
+  std::int64_t from_ns_ = 0;  ///< a press counts from then on
+  std::int64_t guard_ns_ = 0;
+  bool needs_quiet_ = false;
+  bool is_last_key_admitted_ = true;  ///< characters follow their keys
+  std::set<Source> down_;
+  std::set<Source> stale_;  ///< down since before the page, or pressed too early
+};
+
 /// Reads a subject's input. A press counts only if it comes after the onset of the pair, and if no other
 /// answer key or button was down at that moment: a key held from before must be let go first.
 class SubjectInput {
@@ -42,11 +85,14 @@ class SubjectInput {
   /// The pair is on the screen since then; after an answer the input is closed again.
   void open(std::int64_t onset_ns);
 
-  /// Another screen is there since then.
-  void open_page(std::int64_t time_ns) { page_from_ns_ = time_ns; }
+  /// Another page is there since then.
+  void open_page(std::int64_t time_ns) { guard_.open(time_ns); }
 
-  /// What the event means on that screen; most mean nothing.
+  /// What the event means on that screen; most mean nothing. Every event is to be told, in order.
   std::optional<SessionEvent> read(const InputEvent& event, Screen screen);
+
+  /// Whether the page might see the event that was read last.
+  bool is_admitted() const { return is_admitted_; }
 
   /// A PauseEvent once Escape has been held long enough; it must then be let go first.
   std::optional<SessionEvent> find_pause(std::int64_t now_ns);
@@ -56,13 +102,15 @@ class SubjectInput {
 
   std::optional<SessionEvent> read_key_press(const InputEvent& event, Screen screen);
   std::optional<SessionEvent> turn(std::int64_t time_ns, Screen screen) const;
+  std::optional<SessionEvent> turn_back(std::int64_t time_ns, Screen screen) const;
   std::optional<SessionEvent> press(Source source, std::optional<Side> side, std::int64_t time_ns);
   void release(const InputEvent& event);
 
   Layout layout_;
   std::set<Source> down_;
   std::optional<std::int64_t> onset_ns_;  ///< empty while closed
-  std::int64_t page_from_ns_ = 0;
+  PageGuard guard_;
+  bool is_admitted_ = true;
   std::optional<std::int64_t> escape_ns_;  ///< since when Escape is down
 };
 

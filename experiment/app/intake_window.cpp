@@ -15,94 +15,130 @@ bool is_press(const InputEvent& event, Key key) {
   return event.kind == InputKind::kKeyPress && event.key == key;
 }
 
-// One page: `draw` lays it out and tells whether its button was pressed, `read` whether a key leaves it.
-// False if the window was closed.
-bool run_page(AppWindow& window, Gui& gui, const std::function<bool()>& draw,
-              const std::function<bool(const InputEvent&)>& read) {
-  window.take_events();
-  std::deque<InputEvent> waiting;  // each is read when what came before it has been laid out
+// A page, and how long it takes no press.
+struct RunningPage {
+  std::function<bool()> draw;                   ///< lays it out; tells whether its button was pressed
+  std::function<bool(const InputEvent&)> read;  ///< whether a key leaves it
+  std::int64_t guard_ns = kPageGuardNs;
+  bool needs_quiet = false;
+};
+
+// ImGui moves its frame to another control in the frame after the one that saw the key.
+constexpr int kFramesToMove = 2;
+
+bool draw_frames(AppWindow& window, Gui& gui, const RunningPage& page, int frames) {
   bool is_left = false;
-  while (!is_left) {
+  for (int i = 0; i < frames && !is_left; ++i) {
     window.clear();
     gui.begin_frame();
-    is_left = draw();
+    is_left = page.draw();
     gui.end_frame();
     window.swap();
-    if (is_left) break;
-    window.wait(gui.has_events() || !waiting.empty() ? 0 : kPatienceS);
-    for (const InputEvent& event : window.take_events()) waiting.push_back(event);
-    if (!gui.has_events() && !waiting.empty()) {
-      const InputEvent event = waiting.front();
-      waiting.pop_front();
-      gui.take({event});
-      is_left = read(event);
-    }
-    if (window.is_closing()) return false;
   }
-  return true;
+  return is_left;
+}
+
+// False if the window was closed.
+bool run_page(AppWindow& window, Gui& gui, const RunningPage& page) {
+  if (draw_frames(window, gui, page, 1)) return true;
+  PageGuard guard;
+  open_guard(window, gui, guard, page.guard_ns, page.needs_quiet);
+  std::deque<InputEvent> waiting;  // each is read when what came before it has been laid out
+  while (!window.is_closing()) {
+    const bool was_key = gui.has_events();
+    if (draw_frames(window, gui, page, was_key ? kFramesToMove : 1)) return true;
+    window.wait(gui.has_events() || !waiting.empty() ? 0 : kPatienceS);
+    for (const InputEvent& event : window.take_events()) {
+      if (guard.admit(event)) waiting.push_back(event);
+    }
+    if (gui.has_events() || waiting.empty()) continue;
+    const InputEvent event = waiting.front();
+    waiting.pop_front();
+    gui.take({event});
+    if (page.read(event)) return true;
+  }
+  return false;
+}
+
+Intake ask_consent(AppWindow& window, Gui& gui, const Workplace& work, Intake intake) {
+  const SessionProtocol& protocol = work.inputs.protocol;
+  ConsentForm form;
+  const auto take = [&](const std::optional<bool>& choice) {
+    if (choice) give_consent(intake, protocol, *choice);
+    return choice.has_value();
+  };
+  run_page(
+      window, gui,
+      {[&] { return take(draw_consent(gui, window.framebuffer(), work.texts, *protocol.consent, form)); },
+       [&](const InputEvent& event) {
+         return event.kind == InputKind::kKeyPress && take(find_choice(form, event.key));
+       },
+       kConsentGuardNs, true});
+  return intake;
+}
+
+Intake ask_questions(AppWindow& window, Gui& gui, const Workplace& work, Intake intake) {
+  const SessionProtocol& protocol = work.inputs.protocol;
+  bool is_reminded = false;
+  const auto submit = [&](bool is_wanted) {
+    if (!is_wanted) return false;
+    submit_answers(intake, protocol);
+    is_reminded = true;
+    return intake.step != IntakeStep::kQuestions;
+  };
+  run_page(
+      window, gui,
+      {[&] {
+         return submit(draw_questions(gui, window.framebuffer(), work.texts, protocol, intake, is_reminded));
+       },
+       [&](const InputEvent& event) { return submit(is_press(event, Key::kEnter)); }});
+  return intake;
 }
 
 }  // namespace
 
 bool ask_setup(AppWindow& window, Gui& gui, Workplace& work) {
-  SetupForm form = make_setup_form(work.setup_input.diagonal_m, work.setup.viewing_distance_m);
+  SetupForm form = make_setup_form(work.setup_input.diagonal_m);
   const Size picture{work.manifest.width, work.manifest.height};
   const auto draw = [&] {
     set_up(work, read_setup_form(form));
-    const SetupView view{&work.facts, &work.setup, find_least_framebuffer(picture), work.request.participant,
+    const SetupView view{&work.facts,
+                         &work.setup,
+                         work.inputs.study.viewing_distance_m,
+                         find_least_framebuffer(picture),
+                         work.request.participant,
                          format_experiment(work.inputs.experiment)};
     return draw_setup(gui, window.framebuffer(), view, form);
   };
   const auto read = [&](const InputEvent& event) {
     constexpr int kFirstCardPx = 320;
     if (is_press(event, Key::kF3)) form.card_px = form.card_px > 0 ? 0 : kFirstCardPx;
-    return is_press(event, Key::kEnter);
+    return is_press(event, Key::kEnter) && leave_setup(form);
   };
-  const bool is_left = run_page(window, gui, draw, read);
+  const bool is_left = run_page(window, gui, {draw, read});
   set_up(work, read_setup_form(form));
   return is_left;
 }
 
 Intake ask_intake(AppWindow& window, Gui& gui, const Workplace& work) {
-  const SessionProtocol& protocol = work.inputs.protocol;
-  Intake intake = make_intake(protocol);
-  if (intake.step == IntakeStep::kConsent) {
-    const auto draw = [&] {
-      const auto choice = draw_consent(gui, window.framebuffer(), work.texts, *protocol.consent);
-      if (choice) give_consent(intake, protocol, *choice);
-      return intake.step != IntakeStep::kConsent;
-    };
-    const auto read = [&](const InputEvent& event) {
-      if (is_press(event, Key::kEnter)) give_consent(intake, protocol, true);
-      if (is_press(event, Key::kBackspace)) give_consent(intake, protocol, false);
-      return intake.step != IntakeStep::kConsent;
-    };
-    if (!run_page(window, gui, draw, read)) return intake;
-  }
-  if (intake.step == IntakeStep::kQuestions) {
-    bool is_reminded = false;
-    const auto submit = [&] {
-      submit_answers(intake, protocol);
-      is_reminded = true;
-    };
-    const auto draw = [&] {
-      if (draw_questions(gui, window.framebuffer(), work.texts, protocol, intake, is_reminded)) submit();
-      return intake.step != IntakeStep::kQuestions;
-    };
-    const auto read = [&](const InputEvent& event) {
-      if (is_press(event, Key::kEnter)) submit();
-      return intake.step != IntakeStep::kQuestions;
-    };
-    run_page(window, gui, draw, read);
-  }
+  Intake intake = make_intake(work.inputs.protocol);
+  if (intake.step == IntakeStep::kConsent) intake = ask_consent(window, gui, work, intake);
+  if (intake.step == IntakeStep::kQuestions) intake = ask_questions(window, gui, work, intake);
   return intake;
 }
 
-void show_message(AppWindow& window, Gui& gui, const std::string& title,
-                  const std::vector<std::string>& paragraphs, const std::string& button) {
-  run_page(
-      window, gui, [&] { return draw_message(gui, window.framebuffer(), title, paragraphs, button); },
-      [](const InputEvent& event) { return is_press(event, Key::kEnter); });
+void show_message(AppWindow& window, Gui& gui, const MessageText& text) {
+  run_page(window, gui,
+           {[&] { return draw_message(gui, window.framebuffer(), text); },
+            [](const InputEvent& event) { return is_press(event, Key::kEnter); }});
+}
+
+void open_guard(AppWindow& window, Gui& gui, PageGuard& guard, std::int64_t guard_ns, bool needs_quiet) {
+  window.wait(0);
+  const auto events = window.take_events();
+  for (const InputEvent& event : events) guard.admit(event);
+  gui.skip(events);
+  guard.open(read_clock_ns(), guard_ns, needs_quiet);
 }
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "experiment/app/gui.h"
+#include "experiment/app/screens.h"
 #include "experiment/app/workplace.h"
 #include "experiment/intake.h"
 
@@ -15,7 +16,10 @@ bool ask_setup(AppWindow& window, Gui& gui, Workplace& work);
 Intake ask_intake(AppWindow& window, Gui& gui, const Workplace& work);
 
 /// A page with one button; until it is left.
-void show_message(AppWindow& window, Gui& gui, const std::string& title,
-                  const std::vector<std::string>& paragraphs, const std::string& button);
+void show_message(AppWindow& window, Gui& gui, const MessageText& text);
+
+/// What is queued from before a page presses nothing on it: `guard` alone is told of it, then opened.
+void open_guard(AppWindow& window, Gui& gui, PageGuard& guard, std::int64_t guard_ns = kPageGuardNs,
+                bool needs_quiet = false);
 
 }  // namespace equilux

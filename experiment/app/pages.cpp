@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <imgui.h>
+#include <imgui_internal.h>
 #include <vector>
 
 namespace equilux {
@@ -44,21 +45,48 @@ BrokenText fit_text(const ImFont& font, const std::string& text, const Rectangle
   }
 }
 
+// Height of a line below the page, with room above it.
+float measure_below(const std::string& text, float width) {
+  if (text.empty()) return 0;
+  return ImGui::CalcTextSize(text.c_str(), nullptr, false, width).y + kPadding;
+}
+
+void write_below(const std::string& text, ImVec2 corner, float width) {
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  list->AddLine(corner, ImVec2(corner.x + width, corner.y), kBlack, 2);
+  list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), ImVec2(corner.x, corner.y + kPadding), kBlack,
+                text.c_str(), nullptr, width);
+}
+
+// At its top, and the frame of the page before is around nothing on a page of text.
+void begin_page(PageKind kind) {
+  ImGui::SetScrollY(0);
+  if (kind == PageKind::kText) ImGui::GetCurrentContext()->NavDisableHighlight = true;
+}
+
 }  // namespace
 
-Page::Page(const Gui& gui, Size framebuffer, const std::string& title) {
+Page::Page(Gui& gui, Size framebuffer, const std::string& title, PageKind kind, const std::string& read_on)
+    : gui_(&gui), kind_(kind) {
   const float width =
       std::min(kPageWidth * gui.text_scale(), static_cast<float>(framebuffer.width) - 2 * kPageMargin);
   const float top =
       std::floor(static_cast<float>(framebuffer.height) * (gui.text_scale() > 1 ? 0.05F : 0.14F));
   ImGui::PushFont(gui.text_font());
-  ImGui::SetNextWindowPos(ImVec2(std::floor((static_cast<float>(framebuffer.width) - width) / 2), top));
-  ImGui::SetNextWindowSize(ImVec2(width, static_cast<float>(framebuffer.height) - top - kPageMargin));
+  const bool goes_on = gui.scroll().at + 1 < gui.scroll().most;
+  const float left = std::floor((static_cast<float>(framebuffer.width) - width) / 2);
+  const float bottom = static_cast<float>(framebuffer.height) - kPageMargin;
+  const float below = gui.scroll().most > 0 ? measure_below(read_on, width) : 0;
+  ImGui::SetNextWindowPos(ImVec2(left, top));
+  ImGui::SetNextWindowSize(ImVec2(width, bottom - below - top));
+  if (const auto target = gui.take_scroll_target()) ImGui::SetNextWindowScroll(ImVec2(-1, *target));
+  if (goes_on && below > 0) write_below(read_on, ImVec2(left, bottom - below), width);
   // A window for each title: the keys begin at the first control of a new page.
   ImGui::Begin((title + "##page").c_str(), nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoBackground |
                    ImGuiWindowFlags_NoSavedSettings);
+  if (ImGui::IsWindowAppearing()) begin_page(kind);
   ImGui::PushTextWrapPos(0);
   ImGui::PushFont(gui.title_font());
   ImGui::TextUnformatted(title.c_str());
@@ -68,6 +96,7 @@ Page::Page(const Gui& gui, Size framebuffer, const std::string& title) {
 
 Page::~Page() {
   ImGui::PopTextWrapPos();
+  gui_->note_scroll({kind_, ImGui::GetScrollY(), ImGui::GetScrollMaxY(), ImGui::GetWindowHeight()});
   ImGui::End();
   ImGui::PopFont();
 }
@@ -99,6 +128,11 @@ void Page::warn(const std::string& text) const {
 }
 
 void Page::leave_space() const { ImGui::Spacing(); }
+
+bool Page::is_seen() const {
+  const float end = ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y;
+  return end <= ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+}
 
 FullPage::FullPage(const Gui& gui, Size framebuffer) {
   ImGui::PushFont(gui.text_font());

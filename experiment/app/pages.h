@@ -8,10 +8,12 @@
 
 namespace equilux {
 
-/// What is laid out between its making and its end stands on the page; it scrolls where it does not fit.
+/// What is laid out between its making and its end stands on the page; it scrolls where it does not fit, and
+/// says so by `read_on` below it.
 class Page {
  public:
-  Page(const Gui& gui, Size framebuffer, const std::string& title);
+  Page(Gui& gui, Size framebuffer, const std::string& title, PageKind kind = PageKind::kForm,
+       const std::string& read_on = "");
   ~Page();
   Page(const Page&) = delete;
   Page& operator=(const Page&) = delete;
@@ -23,6 +25,12 @@ class Page {
   /// A pale panel, for what must not be overlooked.
   void warn(const std::string& text) const;
   void leave_space() const;
+  /// Whether all that was laid out until now has its end on the screen.
+  bool is_seen() const;
+
+ private:
+  Gui* gui_;
+  PageKind kind_;
 };
 
 /// All of the window but a margin, for lines and what is drawn below them; keys are the caller's.

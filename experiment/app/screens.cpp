@@ -16,6 +16,8 @@ namespace equilux {
 namespace {
 
 constexpr double kMetresPerInch = 0.0254;
+constexpr const char* kReadOn = "There is more below (Page Down).";
+constexpr int kFramesToSettle = 3;  // ImGui knows after two how long a page is
 
 template <std::size_t n>
 void copy_text(std::array<char, n>& target, const std::string& text) {
@@ -31,19 +33,36 @@ std::string read_text(const std::array<char, n>& field) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
-// 0 for what is no number within the limits. Points and commas both separate decimals.
-double read_number(std::string text, double least, double most) {
+struct Limits {
+  double least;
+  double most;
+  const char* unit;
+};
+constexpr Limits kDiagonal{1, 1000, "inches"}, kDistance{1, 10000, "cm"};
+
+// Empty for what is no number within the limits. Points and commas both separate decimals.
+std::optional<double> read_number(std::string text, const Limits& limits) {
   std::replace(text.begin(), text.end(), ',', '.');
+  const bool has_letters = text.find_first_not_of("0123456789.") != std::string::npos;
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  return end != text.c_str() && *end == '\0' && value >= least && value <= most ? value : 0;
+  if (has_letters || end == text.c_str() || *end != '\0') return std::nullopt;
+  if (value < limits.least || value > limits.most) return std::nullopt;
+  return value;
 }
 
-void draw_field(const char* label, char* text, std::size_t size, bool takes_focus) {
+std::string describe_number_error(const std::string& text, const Limits& limits) {
+  if (text.empty() || read_number(text, limits)) return {};
+  return fmt::format("Expected a number of {} from {:g} to {:g}, without its unit; got \"{}\".", limits.unit,
+                     limits.least, limits.most, text);
+}
+
+void draw_field(const char* label, char* text, std::size_t size, bool takes_focus,
+                ImGuiInputTextFlags flags = 0) {
   ImGui::TextUnformatted(label);
   ImGui::SetNextItemWidth(-1);
   if (takes_focus) ImGui::SetKeyboardFocusHere();
-  ImGui::InputText(fmt::format("##{}", label).c_str(), text, size);
+  ImGui::InputText(fmt::format("##{}", label).c_str(), text, size, flags);
 }
 
 void draw_choice(int& experiment) {
@@ -71,9 +90,10 @@ std::string describe_setup(const SetupView& view) {
 std::string describe_degrees(const ViewingSetup& setup) {
   if (!setup.degrees) return "The size of a pixel is not known yet.";
   return fmt::format(
-      "At {:.1f} cm a picture spans {:.2f} x {:.2f} degrees; a pixel is {:.4f} mm wide (by the {}).",
-      100 * setup.viewing_distance_m, setup.degrees->wide, setup.degrees->high, 1000 * setup.pitch->x_m,
-      setup.pitch_source);
+      "At {:.1f} cm ({}) a picture spans {:.2f} x {:.2f} degrees; a pixel is {:.4f} mm wide (by the {}).",
+      100 * setup.viewing_distance_m,
+      setup.distance_source == kTypedDistance ? "typed" : "assumed: the study's", setup.degrees->wide,
+      setup.degrees->high, 1000 * setup.pitch->x_m, setup.pitch_source);
 }
 
 // A bar as wide as a card, to be compared with a real one.
@@ -151,8 +171,8 @@ void set_experiment(StartForm& form, Experiment experiment) {
   form.experiment = experiment == Experiment::kArtifact ? 0 : 1;
 }
 
-bool draw_start(const Gui& gui, Size framebuffer, StartForm& form) {
-  const Page page(gui, framebuffer, "New session");
+bool draw_start(Gui& gui, Size framebuffer, StartForm& form) {
+  const Page page(gui, framebuffer, "New session", PageKind::kForm, kReadOn);
   const bool takes_focus = std::exchange(form.takes_focus, false);
   const bool is_code_next = form.folder[0] != '\0' && form.participant[0] == '\0';
   draw_field("Study folder", form.folder.data(), form.folder.size(), takes_focus && !is_code_next);
@@ -167,46 +187,87 @@ bool draw_start(const Gui& gui, Size framebuffer, StartForm& form) {
   return is_pressed;
 }
 
-SetupForm make_setup_form(double diagonal_m, double distance_m) {
+SetupForm make_setup_form(double diagonal_m) {
   SetupForm form;
   if (diagonal_m > 0) copy_text(form.diagonal_inches, fmt::format("{:g}", diagonal_m / kMetresPerInch));
-  copy_text(form.distance_cm, fmt::format("{:g}", 100 * distance_m));
   return form;
 }
 
-SetupInput read_setup_form(const SetupForm& form) {
-  return {read_number(read_text(form.diagonal_inches), 1, 1000) * kMetresPerInch, form.card_px,
-          read_number(read_text(form.distance_cm), 1, 10000) / 100};
+SetupErrors find_errors(const SetupForm& form) {
+  return {describe_number_error(read_text(form.diagonal_inches), kDiagonal),
+          describe_number_error(read_text(form.distance_cm), kDistance)};
 }
 
-bool draw_setup(const Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
-  const Page page(gui, framebuffer, "Set-up, for the experimenter");
+bool is_right(const SetupForm& form) {
+  const SetupErrors errors = find_errors(form);
+  return errors.diagonal.empty() && errors.distance.empty();
+}
+
+SetupInput read_setup_form(const SetupForm& form) {
+  return {read_number(read_text(form.diagonal_inches), kDiagonal).value_or(0) * kMetresPerInch, form.card_px,
+          read_number(read_text(form.distance_cm), kDistance).value_or(0) / 100};
+}
+
+bool leave_setup(SetupForm& form) {
+  form.takes_focus = !is_right(form);
+  return !form.takes_focus;
+}
+
+bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
+  const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format("Participant {}, {} experiment.", view.participant, view.experiment));
   page.say(describe_setup(view));
+  const SetupErrors errors = find_errors(form);
+  const bool takes_focus = std::exchange(form.takes_focus, false);
   draw_field("Diagonal of the visible screen, in inches", form.diagonal_inches.data(),
-             form.diagonal_inches.size(), false);
-  draw_field("Distance from the eyes to the screen, in cm", form.distance_cm.data(), form.distance_cm.size(),
-             false);
+             form.diagonal_inches.size(), takes_focus && !errors.diagonal.empty(),
+             ImGuiInputTextFlags_AutoSelectAll);
+  if (!errors.diagonal.empty()) page.warn(errors.diagonal);
+  draw_field(
+      fmt::format("Distance from the eyes to the screen, in cm (left empty, the study's {:g} is assumed)",
+                  100 * view.target_distance_m)
+          .c_str(),
+      form.distance_cm.data(), form.distance_cm.size(), takes_focus && errors.diagonal.empty(),
+      ImGuiInputTextFlags_AutoSelectAll);
+  if (!errors.distance.empty()) page.warn(errors.distance);
   draw_card_form(form);
   page.say(describe_degrees(*view.setup));
   const bool is_pressed = page.press("Continue (Enter)");
   page.leave_space();
   for (const std::string& remark : view.setup->remarks) page.warn(remark);
-  return is_pressed;
+  return is_pressed && leave_setup(form);
 }
 
-std::optional<bool> draw_consent(const Gui& gui, Size framebuffer, const Texts& texts,
-                                 const Consent& consent) {
-  const Page page(gui, framebuffer, texts.at("consent_title"));
-  for (const std::string& paragraph : consent.text) page.say(paragraph);
-  if (page.press(texts.at("consent_agree"))) return true;
-  if (page.press(texts.at("consent_decline"))) return false;
+std::optional<bool> take_choice(const ConsentForm& form, bool agrees) {
+  if (agrees && !form.is_read) return std::nullopt;
+  return agrees;
+}
+
+std::optional<bool> find_choice(const ConsentForm& form, Key key) {
+  if (key == Key::kEnter) return take_choice(form, form.focused.value_or(true));
+  if (key == Key::kBackspace) return false;
   return std::nullopt;
 }
 
-bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
+std::optional<bool> draw_consent(Gui& gui, Size framebuffer, const Texts& texts, const Consent& consent,
+                                 ConsentForm& form) {
+  const Page page(gui, framebuffer, texts.at("consent_title"), PageKind::kText,
+                  texts.at(form.is_read ? "more_below" : "consent_read_on"));
+  for (const std::string& paragraph : consent.text) page.say(paragraph);
+  form.is_read = form.is_read || (++form.frames > kFramesToSettle && page.is_seen());
+  std::optional<bool> choice;
+  form.focused.reset();
+  for (const bool agrees : {true, false}) {
+    if (page.press(texts.at(agrees ? "consent_agree" : "consent_decline")))
+      choice = take_choice(form, agrees);
+    if (gui.has_frame()) form.focused = agrees;
+  }
+  return choice;
+}
+
+bool draw_questions(Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
                     Intake& intake, bool is_reminded) {
-  const Page page(gui, framebuffer, texts.at("questions_title"));
+  const Page page(gui, framebuffer, texts.at("questions_title"), PageKind::kForm, texts.at("more_below"));
   page.say(texts.at("questions_about"));
   page.leave_space();
   for (const AskedQuestion& asked : protocol.questions) draw_radio(texts, protocol, intake, asked);
@@ -219,9 +280,9 @@ bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const 
   return is_pressed;
 }
 
-bool draw_instructions(const Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text) {
+bool draw_instructions(Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text) {
   const std::string name = format_experiment(text.experiment);
-  const Page page(gui, framebuffer, texts.at("instructions_title"));
+  const Page page(gui, framebuffer, texts.at("instructions_title"), PageKind::kText, texts.at("more_below"));
   page.say(texts.at("instructions_" + name));
   page.say(texts.at("instructions_" + name + "_question"));
   page.say_indented(texts.at("prompt_" + name));
@@ -250,11 +311,10 @@ void draw_progress(const Layout& layout, const TrialProgress& progress) {
   list->AddRectFilled(ImVec2(left, top), ImVec2(left + full, top + kHeight), IM_COL32(64, 64, 64, 255));
 }
 
-bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
-                  const std::vector<std::string>& paragraphs, const std::string& button) {
-  const Page page(gui, framebuffer, title);
-  for (const std::string& paragraph : paragraphs) page.say(paragraph);
-  return page.press(button);
+bool draw_message(Gui& gui, Size framebuffer, const MessageText& text) {
+  const Page page(gui, framebuffer, text.title, PageKind::kText, text.read_on);
+  for (const std::string& paragraph : text.paragraphs) page.say(paragraph);
+  return page.press(text.button);
 }
 
 std::string describe_misfit(Size framebuffer, Size wanted, const std::string& way_on) {
@@ -270,8 +330,8 @@ std::string read_reason(const PauseForm& form) {
   return reason.empty() ? "ended by the experimenter" : reason;
 }
 
-PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form) {
-  const Page page(gui, framebuffer, "Paused, for the experimenter");
+PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form) {
+  const Page page(gui, framebuffer, "Paused, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format(
       "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
       view.progress.answered, view.progress.count));

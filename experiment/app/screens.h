@@ -36,16 +36,28 @@ void set_participant(StartForm& form, const std::string& code);
 void set_experiment(StartForm& form, Experiment experiment);
 
 /// True when the button was pressed.
-bool draw_start(const Gui& gui, Size framebuffer, StartForm& form);
+bool draw_start(Gui& gui, Size framebuffer, StartForm& form);
 
 /// What is typed and moved on the set-up screen.
 struct SetupForm {
   std::array<char, 16> diagonal_inches{};
   std::array<char, 16> distance_cm{};
-  int card_px = 0;  ///< 0: no card was held to the screen
+  int card_px = 0;           ///< 0: no card was held to the screen
+  bool takes_focus = false;  ///< the next frame puts the keyboard into the first field that is wrong
 };
 
-SetupForm make_setup_form(double diagonal_m, double distance_m);
+/// The distance is left to be typed.
+SetupForm make_setup_form(double diagonal_m);
+
+/// What is wrong with what was typed, a sentence for each field; empty where it is right, or nothing.
+struct SetupErrors {
+  std::string diagonal;
+  std::string distance;
+};
+SetupErrors find_errors(const SetupForm& form);
+bool is_right(const SetupForm& form);
+/// True where the form is right; else the keyboard goes to what is wrong.
+bool leave_setup(SetupForm& form);
 
 /// Numbers that cannot be read, or are not sizes, count as not given.
 SetupInput read_setup_form(const SetupForm& form);
@@ -54,20 +66,34 @@ SetupInput read_setup_form(const SetupForm& form);
 struct SetupView {
   const ScreenFacts* facts = nullptr;
   const ViewingSetup* setup = nullptr;
+  double target_distance_m = 0;
   Size least_framebuffer;
   std::string participant;
   std::string experiment;
 };
 
-/// True when the button was pressed.
-bool draw_setup(const Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form);
+/// True when the button was pressed and the form is right.
+bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form);
+
+/// What the consent page knows between frames; the choices are to agree (true) or not.
+struct ConsentForm {
+  bool is_read = false;         ///< the end of the text has been on the screen
+  std::optional<bool> focused;  ///< the choice whose button has the keyboard's frame
+  int frames = 0;               ///< in which it was laid out
+};
+
+/// What a press comes to: nobody agrees to a text whose end was never on the screen.
+std::optional<bool> take_choice(const ConsentForm& form, bool agrees);
+
+/// What a key means: Enter the choice that has the frame, and to agree where none has it; Backspace declines.
+std::optional<bool> find_choice(const ConsentForm& form, Key key);
 
 /// The choice, once a button was pressed.
-std::optional<bool> draw_consent(const Gui& gui, Size framebuffer, const Texts& texts,
-                                 const Consent& consent);
+std::optional<bool> draw_consent(Gui& gui, Size framebuffer, const Texts& texts, const Consent& consent,
+                                 ConsentForm& form);
 
 /// True when the button was pressed. Choices go into `intake`.
-bool draw_questions(const Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
+bool draw_questions(Gui& gui, Size framebuffer, const Texts& texts, const SessionProtocol& protocol,
                     Intake& intake, bool is_reminded);
 
 struct InstructionsText {
@@ -78,14 +104,20 @@ struct InstructionsText {
 };
 
 /// True when the button was pressed.
-bool draw_instructions(const Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text);
+bool draw_instructions(Gui& gui, Size framebuffer, const Texts& texts, const InstructionsText& text);
 
 /// A thin line that is as full as the session is; it moves only from pair to pair.
 void draw_progress(const Layout& layout, const TrialProgress& progress);
 
+struct MessageText {
+  std::string title;
+  std::vector<std::string> paragraphs;
+  std::string button;
+  std::string read_on;  ///< below a page that is longer than the screen
+};
+
 /// A page of a title, paragraphs and one button; true when it was pressed.
-bool draw_message(const Gui& gui, Size framebuffer, const std::string& title,
-                  const std::vector<std::string>& paragraphs, const std::string& button);
+bool draw_message(Gui& gui, Size framebuffer, const MessageText& text);
 
 /// What the experimenter does with a paused session.
 enum class PauseChoice { kNone, kGoOn, kEnd };
@@ -105,6 +137,6 @@ struct PauseView {
   std::string way_on;  ///< in words, if the window is closed
 };
 
-PauseChoice draw_pause(const Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form);
+PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form);
 
 }  // namespace equilux

@@ -2,6 +2,7 @@
 #include "experiment/app/session_window.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
 #include "experiment/app/intake_window.h"
@@ -12,8 +13,6 @@ namespace {
 
 constexpr double kPatienceS = 0.1;  // between two looks at the clock when nothing happens
 constexpr double kPilotPatienceS = 0.002;
-// A pair that takes longer from its drawing to the screen is noted: two frames, and never less than this,
-// which a screen that does not wait for its frames may need.
 
 bool is_main(const TrialRow& trial) { return trial.phase != Phase::kPractice; }
 
@@ -39,10 +38,6 @@ std::string find_verdict(const CatchTrials& asked, int caught, int answered) {
 }
 
 std::string number(int value) { return fmt::format("{}", value); }
-
-bool is_leaving(const InputEvent& event) {
-  return event.kind == InputKind::kKeyPress && event.key == Key::kEnter;
-}
 
 bool is_press(const InputEvent& event, Key key) {
   return event.kind == InputKind::kKeyPress && event.key == key;
@@ -88,10 +83,11 @@ SessionWindow::SessionWindow(AppWindow& window, Gui& gui, const Workplace& work,
     : window_(&window), gui_(&gui), work_(&work), seat_(&seat), pilot_(pilot), input_(work.layout) {}
 
 void SessionWindow::run() {
-  window_->take_events();
   window_->take_changes();
   while (!is_left_) {
+    const bool is_new = std::exchange(is_new_page_, false);
     draw();
+    if (is_new) open_new_page();
     window_->wait(gui_->has_events() ? 0 : pilot_ ? kPilotPatienceS : kPatienceS);
     note_changes();
     pause_unless_it_fits();  // before an answer to a pair that is not as it was
@@ -110,10 +106,18 @@ void SessionWindow::take(const SessionEvent& event) {
   const auto* answer = std::get_if<AnswerEvent>(&event);
   answered_ns_ = answer ? std::optional(read_clock_ns()) : std::nullopt;
   const Screen before = session().screen;
+  const int page_before = session().page;
   for (const SessionEffect& effect : advance(session(), event)) carry_out(effect);
-  if (session().screen == before) return;
+  if (session().screen == before && session().page == page_before) return;
+  is_new_page_ = session().screen != Screen::kTrial;
   input_.open_page(read_clock_ns());
   gui_->skip({});  // what led here presses nothing on the next page
+}
+
+// Nothing that was done before the page was on the screen is done to it.
+void SessionWindow::open_new_page() {
+  ignore_early_input();
+  input_.open_page(read_clock_ns());
 }
 
 void SessionWindow::carry_out(const SessionEffect& effect) {
@@ -140,7 +144,7 @@ void SessionWindow::show(int trial) {
   take(ShownEvent{trial, onset_ns});
   input_.open(onset_ns);
   const std::int64_t took_ns = onset_ns - begin_ns;
-  if (is_slow_showing(took_ns, work_->facts.measured_hz)) {
+  if (is_slow_showing(took_ns, work_->facts)) {
     const double took_ms = static_cast<double>(took_ns) / 1e6;
     take(NoteEvent{"slow_frame", fmt::format("trial {}: {:.0f} ms", trial, took_ms), onset_ns});
   }
@@ -190,16 +194,23 @@ void SessionWindow::ignore_early_input() {
 void SessionWindow::read_input() {
   const auto events = window_->take_events();
   for (const InputEvent& event : events) {
-    if (session().screen == Screen::kTrial) {
-      gui_->skip({event});
-    } else {
+    const Screen screen = session().screen;
+    const auto meaning = input_.read(event, screen);
+    if (screen != Screen::kTrial && input_.is_admitted()) {
       gui_->take({event});
+      read_page_key(event);
+    } else {
+      gui_->skip({event});
     }
-    if (is_over() && is_leaving(event)) is_left_ = true;
-    if (is_over() && is_press(event, Key::kF3)) shows_summary_ = !shows_summary_;
-    if (session().screen == Screen::kPause) read_pause_key(event);
-    if (const auto meaning = input_.read(event, session().screen)) take(*meaning);
+    if (meaning) take(*meaning);
   }
+}
+
+// Beside those that lead on in the session.
+void SessionWindow::read_page_key(const InputEvent& event) {
+  if (is_over() && is_press(event, Key::kEnter)) is_left_ = true;
+  if (is_over() && is_press(event, Key::kF3)) shows_summary_ = !shows_summary_;
+  if (session().screen == Screen::kPause) read_pause_key(event);
 }
 
 void SessionWindow::read_pause_key(const InputEvent& event) {
@@ -331,16 +342,14 @@ bool SessionWindow::lay_out_page() {
           {session().experiment, count_main(session(), false), count_main(session(), true),
            work_->is_set_up ? std::vector<std::string>{} : work_->setup.remarks});
     case Screen::kPractice:
-      return draw_message(*gui_, size, texts.at("practice_title"),
-                          {texts.fill("practice_text", {{"count", number(count_practice(session()))}})},
-                          texts.at("practice_begin"));
+      return lay_out_message("practice_title",
+                             {texts.fill("practice_text", {{"count", number(count_practice(session()))}})},
+                             "practice_begin");
     case Screen::kMain:
-      return draw_message(*gui_, size, texts.at("main_title"), {texts.fill("main_text", {{"count", count}})},
-                          texts.at("main_begin"));
+      return lay_out_message("main_title", {texts.fill("main_text", {{"count", count}})}, "main_begin");
     case Screen::kBreak:
-      return draw_message(*gui_, size, texts.at("break_title"),
-                          {texts.fill("break_text", {{"answered", answered}, {"count", count}})},
-                          texts.at("break_end"));
+      return lay_out_message(
+          "break_title", {texts.fill("break_text", {{"answered", answered}, {"count", count}})}, "break_end");
     default:
       return lay_out_last_page();
   }
@@ -357,30 +366,29 @@ void SessionWindow::draw_pause_page() {
   if (choice == PauseChoice::kEnd) take(AbortEvent{read_reason(pause_), read_clock_ns()});
 }
 
+// Title and button by the names of their texts.
+bool SessionWindow::lay_out_message(const std::string& title, const std::vector<std::string>& paragraphs,
+                                    const std::string& button) const {
+  const Texts& texts = work_->texts;
+  return draw_message(*gui_, window_->framebuffer(),
+                      {texts.at(title), paragraphs, texts.at(button), texts.at("more_below")});
+}
+
 bool SessionWindow::lay_out_last_page() const {
   const Texts& texts = work_->texts;
   const bool is_whole = session().screen == Screen::kThanks;
+  const std::string your_code = texts.fill("your_code", {{"code", seat_->open.row.participant}});
   std::vector<std::string> paragraphs;
   if (shows_summary_) {
     paragraphs = summarise(session(), work_->inputs.protocol, seat_->notes);
   } else if (is_whole) {
-    paragraphs = {texts.at("thanks_text"), texts.at("thanks_tell")};
+    paragraphs = {texts.at("thanks_text"), your_code, texts.at("thanks_tell")};
   } else {
     paragraphs = {texts.fill("aborted_text", {{"answered", number(count_main(session(), true))},
                                               {"count", number(count_main(session(), false))}}),
-                  texts.at("aborted_tell")};
+                  your_code, texts.at("aborted_tell")};
   }
-  return draw_message(*gui_, window_->framebuffer(), texts.at(is_whole ? "thanks_title" : "aborted_title"),
-                      paragraphs, texts.at("close"));
-}
-
-void show_stop(AppWindow& window, Gui& gui, const Texts& texts, const std::string& message) {
-  show_message(
-      window, gui, texts.at("stopped_title"),
-      {texts.at("stopped_call"), message,
-       "What was recorded until now is safe. Remove the cause, then start the same experiment with the same "
-       "participant code: it goes on at the first question without a recorded answer."},
-      texts.at("close"));
+  return lay_out_message(is_whole ? "thanks_title" : "aborted_title", paragraphs, "close");
 }
 
 }  // namespace equilux

@@ -51,10 +51,12 @@ class SessionWindow {
   void show(int trial);
   void load_ahead(int trial);
   void read_input();
+  void read_page_key(const InputEvent& event);
   void read_pause_key(const InputEvent& event);
   void note_changes();
   void fly();
   void ignore_early_input();
+  void open_new_page();
   void draw();
   void draw_pair(const std::string& line, bool shows_progress);
   void draw_trial();
@@ -63,6 +65,8 @@ class SessionWindow {
   void draw_page();
   void draw_pause_page();
   bool lay_out_page();
+  bool lay_out_message(const std::string& title, const std::vector<std::string>& paragraphs,
+                       const std::string& button) const;
   bool lay_out_last_page() const;
   void check_size() const;
   bool fits() const;
@@ -80,6 +84,7 @@ class SessionWindow {
   std::optional<LoadedTrial> next_;
   std::optional<LoadedPage> page_;
   PauseForm pause_;
+  bool is_new_page_ = true;
   bool shows_summary_ = false;
   bool is_left_ = false;
 };
@@ -88,8 +93,5 @@ class SessionWindow {
 /// happened to the screen. One sentence each.
 std::vector<std::string> summarise(const Session& session, const SessionProtocol& protocol,
                                    const std::map<std::string, int>& notes);
-
-/// A page that says what went wrong and what to do; until it is left.
-void show_stop(AppWindow& window, Gui& gui, const Texts& texts, const std::string& message);
 
 }  // namespace equilux

@@ -9,7 +9,7 @@ namespace equilux {
 namespace {
 
 constexpr double kPitchTolerance = 0.03;  // between card, diagonal and system
-constexpr double kSlowFrames = 2, kSlowNs = 50e6;
+constexpr double kDroppedFrames = 1.5, kSlowFrames = 2, kSlowNs = 50e6;
 constexpr double kRefreshTolerance = 0.05;  // between measured and nominal
 
 struct NamedPitch {
@@ -51,8 +51,7 @@ void remark_on_screen(const ScreenFacts& facts, std::vector<std::string>& remark
   if (facts.gamma_ramp == "changed")
     remarks.push_back(
         "the graphics card's gamma ramp is not the identity (a night light or a calibration changes it).");
-  if (!facts.measured_hz || facts.mode_hz <= 0) return;
-  if (std::abs(*facts.measured_hz / facts.mode_hz - 1) <= kRefreshTolerance) return;
+  if (!facts.measured_hz || facts.mode_hz <= 0 || is_in_step(facts)) return;
   remarks.push_back(
       fmt::format("frames come at {:.1f} Hz where the screen's mode says {:.0f} Hz: times of onset are "
                   "not in step with the screen.",
@@ -67,8 +66,9 @@ ViewingSetup find_setup(const SetupInput& input, const ScreenFacts& facts, const
   const std::vector<NamedPitch> pitches = list_pitches(input, facts);
   setup.pitch_source = pitches.empty() ? "not known" : pitches[0].source;
   if (!pitches.empty()) setup.pitch = pitches[0].pitch;
-  setup.viewing_distance_m =
-      input.viewing_distance_m > 0 ? input.viewing_distance_m : target.viewing_distance_m;
+  const bool is_typed = input.viewing_distance_m > 0;
+  setup.viewing_distance_m = is_typed ? input.viewing_distance_m : target.viewing_distance_m;
+  setup.distance_source = is_typed ? kTypedDistance : kTargetDistance;
   if (setup.pitch) setup.degrees = find_degrees(picture, *setup.pitch, setup.viewing_distance_m);
   const std::string deviation = describe_deviation(setup.degrees, target.degrees, setup.viewing_distance_m);
   if (!deviation.empty()) setup.remarks.push_back(deviation);
@@ -80,6 +80,7 @@ ViewingSetup find_setup(const SetupInput& input, const ScreenFacts& facts, const
 std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup, const ScreenFacts& facts) {
   std::map<std::string, std::string> fields{
       {"pixel_pitch_source", setup.pitch_source},
+      {"viewing_distance_source", setup.distance_source},
       {"video_mode", fmt::format("{}x{}", facts.mode.width, facts.mode.height)},
       {"refresh_hz_nominal", fmt::format("{:g}", facts.mode_hz)},
       {"content_scale", fmt::format("{:g}", facts.content_scale)},
@@ -95,9 +96,16 @@ std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup,
   return fields;
 }
 
-bool is_slow_showing(std::int64_t took_ns, std::optional<double> measured_hz) {
-  const double frame_ns = measured_hz && *measured_hz > 0 ? 1e9 / *measured_hz : 0;
-  return static_cast<double>(took_ns) > std::max(kSlowNs, kSlowFrames * frame_ns);
+bool is_in_step(const ScreenFacts& facts) {
+  return facts.measured_hz && *facts.measured_hz > 0 && facts.mode_hz > 0 &&
+         std::abs(*facts.measured_hz / facts.mode_hz - 1) <= kRefreshTolerance;
+}
+
+bool is_slow_showing(std::int64_t took_ns, const ScreenFacts& facts) {
+  const double frame_ns = facts.measured_hz && *facts.measured_hz > 0 ? 1e9 / *facts.measured_hz : 0;
+  const double most_ns =
+      is_in_step(facts) ? kDroppedFrames * frame_ns : std::max(kSlowNs, kSlowFrames * frame_ns);
+  return static_cast<double>(took_ns) > most_ns;
 }
 
 std::optional<double> find_refresh_hz(const std::vector<std::int64_t>& shown_ns) {

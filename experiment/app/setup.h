@@ -15,6 +15,9 @@ namespace equilux {
 /// A bank card's long side. source: ISO/IEC 7810, ID-1. units: m
 inline constexpr double kCardWidthM = 0.0856;
 
+inline constexpr const char* kTypedDistance = "typed";
+inline constexpr const char* kTargetDistance = "target";  ///< the study's, which nobody measured
+
 /// What the system says of a screen, and what was measured on it.
 struct ScreenFacts {
   std::string monitor;
@@ -46,6 +49,7 @@ struct ViewingSetup {
   std::optional<PixelPitch> pitch;
   std::string pitch_source;  ///< card, diagonal, system or not known
   double viewing_distance_m = 0;
+  std::string distance_source;       ///< kTypedDistance or kTargetDistance
   std::optional<Degrees> degrees;    ///< of one picture
   std::vector<std::string> remarks;  ///< for the experimenter: what is not as it should be
 };
@@ -61,8 +65,11 @@ std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup,
 /// ns
 std::optional<double> find_refresh_hz(const std::vector<std::int64_t>& shown_ns);
 
-/// Whether a pair took longer to the screen than a session should bear: more than two frames, and more than
-/// 50 ms. `measured_hz` is empty, or 0, where frames do not wait for the screen.
-bool is_slow_showing(std::int64_t took_ns, std::optional<double> measured_hz);
+/// Whether frames come at the rate that the screen's mode says.
+bool is_in_step(const ScreenFacts& facts);
+
+/// Whether a pair took longer to the screen than a session should bear: more than 1.5 frames, that is one was
+/// dropped; where frames are not in step with the screen, more than two of them and more than 50 ms.
+bool is_slow_showing(std::int64_t took_ns, const ScreenFacts& facts);
 
 }  // namespace equilux

@@ -111,6 +111,18 @@ Key name_key(int code) {
       return Key::kF4;
     case GLFW_KEY_BACKSPACE:
       return Key::kBackspace;
+    case GLFW_KEY_UP:
+      return Key::kUp;
+    case GLFW_KEY_DOWN:
+      return Key::kDown;
+    case GLFW_KEY_PAGE_UP:
+      return Key::kPageUp;
+    case GLFW_KEY_PAGE_DOWN:
+      return Key::kPageDown;
+    case GLFW_KEY_HOME:
+      return Key::kHome;
+    case GLFW_KEY_END:
+      return Key::kEnd;
     default:
       return Key::kOther;
   }

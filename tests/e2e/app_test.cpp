@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <thread>
 
+#include "base/files.h"
 #include "tests/e2e/app_fixture.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/raw_database.h"
@@ -391,6 +392,76 @@ TEST_F(AppTest, APictureThatWasChangedIsNotShown) {
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), HasSubstr("G0-MS-ind-ref-v0.png: expected the digest"));
   EXPECT_FALSE(std::filesystem::exists(folder.responses())) << "a log would lock the folder's pictures";
+}
+
+// The pair after the next is read while one is looked at. Which picture it was the log and the terminal tell.
+TEST_F(AppTest, APictureThatChangesMeanwhileInterruptsTheSessionWhichGoesOnWhenItIsMended) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  std::int64_t id = 0;
+  std::string key;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    const auto trials = session.load_trials(id);
+    key = trials[2].test_key;
+    const auto path = folder.picture_folder() / (key + ".png");
+    const std::string kept = load_text(path);
+    std::ofstream(path, std::ios::app) << 'x';
+    display.type_key("space");
+    session.wait_for_trial(trials[0]);
+    ASSERT_FALSE(HasFatalFailure());
+    session.answer_by_key(Side::kLeft);
+    session.wait_for_page("stopped-by-picture");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    EXPECT_EQ(session.program().wait(), 1);
+    EXPECT_THAT(session.program().read_output(), HasSubstr(key));
+    EXPECT_THAT(load_details(folder, "interrupt"), HasSubstr(key));
+    save_text(path, kept);
+  }
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  session.wait_for_trial(session.load_trials(id)[1]);
+}
+
+TEST_F(AppTest, ACharacterThatTheFontLacksIsRefusedBeforeAnythingIsShown) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  save_text(folder.session(), R"({"schema": "equilux-session", "schema_version": 1,
+    "consent": {"version": "1", "text": ["It takes 20 minutes \u2212 5 \u20ac.", "\u540c\u610f"]}})");
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  EXPECT_EQ(session.program().wait(), 1);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("session.json: /consent/text/1"));
+  EXPECT_THAT(session.program().read_output(), HasSubstr("got U+540C"));
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+}
+
+TEST_F(AppTest, ADistanceThatIsNoNumberIsNotTakenForTheStudys) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  auto arguments = arguments_for(folder, "artifact");
+  arguments.push_back("--setup");
+  WatchedSession session(display, folder, kSmallPlan, arguments);
+  session.wait_for_error("setup-empty");  // which says that this screen's size is not known
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Tab");
+  display.type_key("Tab");
+  display.type_text("60cm");
+  display.type_key("Return");
+  session.wait_for_error("setup-no-number");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  display.type_text("61.5");  // the keyboard is in the field that is wrong
+  display.type_key("Return");
+  ASSERT_NE(session.wait_for_session(Experiment::kArtifact), 0);
+  const SessionRow row = TrialLog(folder.responses()).load_sessions().back();
+  EXPECT_DOUBLE_EQ(row.screen.viewing_distance_m.value_or(0), 0.615);
+  EXPECT_EQ(row.fields.at("viewing_distance_source"), "typed");
 }
 
 }  // namespace

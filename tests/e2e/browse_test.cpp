@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "analysis/interim.h"
+#include "base/files.h"
 #include "renderer/set.h"
 #include "stimuli/png_file.h"
 #include "tests/e2e/child_process.h"
@@ -221,6 +222,24 @@ TEST_F(BrowseAppTest, ShowsTheRegionsOfTheAnswersSoFar) {
   EXPECT_TRUE(wait_for_screen("browse-results", shows_regions));
   display_.type_key("g");
   ASSERT_TRUE(wait_for_window());
+  display_.type_key("BackSpace");
+  EXPECT_EQ(app.wait(), 0) << app.read_output();
+}
+
+// A disk that is full: the window says so, and stays.
+TEST_F(BrowseAppTest, AWindowThatCannotBeSavedIsSaidAndEndsNothing) {
+  const TemporaryFolder temporary;
+  const StudyFolder folder = make_fake_study(temporary.path());
+  const std::string before = load_text(folder.windows());
+  ChildProcess app = browse(folder);
+  ASSERT_TRUE(wait_for_window()) << app.read_output();
+  std::this_thread::sleep_for(std::chrono::seconds(1));  // for all thumbnails
+  const LdrImage shown = display_.take_screenshot();
+  app.limit_file_size(0);
+  display_.type_key("w");
+  EXPECT_TRUE(wait_for_screen("browse-not-saved", [&](const LdrImage& screen) { return screen != shown; }));
+  EXPECT_EQ(load_text(folder.windows()), before);
+  EXPECT_TRUE(app.is_running()) << app.read_output();
   display_.type_key("BackSpace");
   EXPECT_EQ(app.wait(), 0) << app.read_output();
 }

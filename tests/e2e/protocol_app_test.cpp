@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <thread>
 
+#include "base/files.h"
+#include "base/json.h"
 #include "tests/e2e/app_fixture.h"
 
 namespace equilux {
@@ -23,8 +25,27 @@ constexpr const char* kWholeProtocol = R"({
 
 void write_protocol(const StudyFolder& folder) { std::ofstream(folder.session()) << kWholeProtocol; }
 
-// A page after an answer takes no press for .3 s.
-void wait_out_page_guard() { std::this_thread::sleep_for(std::chrono::milliseconds(500)); }
+// Without questions: who agrees begins.
+void write_long_consent(const StudyFolder& folder) {
+  Json::Array text;
+  for (int i = 1; i <= 30; ++i)
+    text.emplace_back(fmt::format(
+        "{}. This is one of thirty paragraphs, each of which takes two lines or more, since it says at some "
+        "length that you may stop at any time and what is kept of your answers.",
+        i));
+  const Json consent = Json().set("version", "7").set("text", text);
+  save_text(
+      folder.session(),
+      format_json(Json().set("schema", "equilux-session").set("schema_version", 1).set("consent", consent)));
+}
+
+// As an impatient hand does, .15 s from one to the next.
+void press_again_and_again(XDisplay& display, const std::string& key, int count) {
+  for (int i = 0; i < count; ++i) {
+    display.type_key(key);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  }
+}
 
 class ProtocolAppTest : public AppTest {};
 
@@ -33,7 +54,7 @@ TEST_F(ProtocolAppTest, AWholeProtocolLeadsFromConsentToThanks) {
   write_protocol(folder);
   XDisplay display;
   WatchedSession session(display, folder, kPaperPlan, arguments_for(folder, "artifact"));
-  session.wait_for_page("protocol-consent");
+  session.wait_for_consent("protocol-consent");
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
   display.type_key("Return");
@@ -64,17 +85,14 @@ TEST_F(ProtocolAppTest, AWholeProtocolLeadsFromConsentToThanks) {
     session.answer_by_key((trials[i].test_side == Side::kLeft) == right ? Side::kLeft : Side::kRight);
     session.wait_for_page(right ? "protocol-feedback-right" : "protocol-feedback-wrong");
     ASSERT_FALSE(HasFatalFailure());
-    wait_out_page_guard();
     display.type_key("space");
   }
   session.wait_for_page("protocol-main");
   ASSERT_FALSE(HasFatalFailure());
-  wait_out_page_guard();
   display.type_key("space");
   answer_all(session, trials, 2, 8);
   session.wait_for_page("protocol-break");
   ASSERT_FALSE(HasFatalFailure());
-  wait_out_page_guard();
   display.type_key("space");
   answer_all(session, trials, 8, 12);
   session.wait_for_page("protocol-thanks");
@@ -112,7 +130,7 @@ TEST_F(ProtocolAppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
   std::int64_t id = 0;
   {
     WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
-    session.wait_for_page("");
+    session.wait_for_consent("");
     ASSERT_FALSE(HasFatalFailure());
     display.type_key("Return");
     session.wait_for_page("");
@@ -201,7 +219,7 @@ TEST_F(ProtocolAppTest, WhoDeclinesLeavesNoTrace) {
   write_protocol(folder);
   XDisplay display;
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
-  session.wait_for_page("");
+  session.wait_for_consent("");
   ASSERT_FALSE(HasFatalFailure());
   display.type_key("BackSpace");
   session.wait_for_page("protocol-declined");
@@ -210,6 +228,97 @@ TEST_F(ProtocolAppTest, WhoDeclinesLeavesNoTrace) {
   EXPECT_EQ(session.program().wait(), 0);
   EXPECT_THAT(session.program().read_output(), HasSubstr("does not take part"));
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+}
+
+// One Down shows the frame, around agreeing; the next moves it to the refusal.
+TEST_F(ProtocolAppTest, EnterOnTheRefusalThatHasTheFrameDeclines) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_protocol(folder);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_consent("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Down");
+  for (const char* key : {"Down", "Return"}) display.press_key(key);  // before the frame has moved
+  for (const char* key : {"Down", "Return"}) display.release_key(key);
+  session.wait_for_page("declined-by-frame");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("does not take part"));
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+}
+
+// They leave the set-up, but never the consent: there is no rest between them.
+TEST_F(ProtocolAppTest, KeysSentAheadGiveNoConsent) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_protocol(folder);
+  XDisplay display;
+  auto arguments = arguments_for(folder, "artifact");
+  arguments.push_back("--setup");
+  WatchedSession session(display, folder, kSmallPlan, arguments);
+  press_again_and_again(display, "Return", 50);
+  session.wait_for_consent("consent-after-keys");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(session.has_changed());
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  display.type_key("BackSpace");
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(), HasSubstr("does not take part"));
+}
+
+// On every letter size, by keys alone.
+TEST_F(ProtocolAppTest, ALongConsentIsReadToItsEndBeforeAnybodyAgrees) {
+  for (const std::string scale : {"1", "3"}) {
+    const StudyFolder folder = make_small_study(folder_.path() / scale, 280, 210);
+    write_long_consent(folder);
+    XDisplay display;
+    auto arguments = arguments_for(folder, "artifact");
+    arguments.insert(arguments.end(), {"--text-scale", scale});
+    WatchedSession session(display, folder, kSmallPlan, arguments);
+    session.wait_for_consent("long-consent-" + scale);
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    EXPECT_FALSE(session.has_changed());
+    for (const auto& [down, up] : {std::pair("Next", "Prior"), std::pair("Down", "Up")}) {
+      display.type_key(down);
+      EXPECT_TRUE(session.has_changed()) << down;
+      display.type_key("Return");
+      display.type_key(up);
+      EXPECT_FALSE(session.has_changed()) << up;
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+    display.type_key("End");
+    session.wait_for_page("long-consent-end-" + scale);
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Home");
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    EXPECT_NE(session.wait_for_session(Experiment::kArtifact), 0);
+  }
+}
+
+TEST_F(ProtocolAppTest, TheFirstPageOfObjectsLeadsBackToTheInstructions) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  save_text(folder.session(),
+            R"({"schema": "equilux-session", "schema_version": 1, "familiarisation": {"objects": true}})");
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  const LdrImage instructions = display.take_screenshot();
+  display.type_key("space");
+  display.type_key("space");  // too early
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("BackSpace");
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(display.take_screenshot(), instructions);
 }
 
 }  // namespace

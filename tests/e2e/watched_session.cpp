@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::uint8_t kGrey = 128;
 constexpr std::uint8_t kPanelGrey = 232;
+// A page takes no press for .3 s, the consent text for 1 s.
+constexpr std::chrono::milliseconds kPageGuard{450}, kConsentGuard{1300};
 constexpr std::chrono::milliseconds kLongHold{900};  ///< longer than the key repeat of the X server, 660 ms
 
 std::vector<std::string> command_line(const std::vector<std::string>& arguments) {
@@ -162,9 +164,20 @@ bool WatchedSession::is_logged_as_shown(const TrialRow& trial) const {
                                trial.number, last_event_before_)) != "0";
 }
 
-void WatchedSession::wait_for_page(const std::string& name) { wait_for(name, is_page); }
+void WatchedSession::wait_for_page(const std::string& name) {
+  wait_for(name, is_page);
+  std::this_thread::sleep_for(kPageGuard);
+}
 
-void WatchedSession::wait_for_error(const std::string& name) { wait_for(name, has_panel); }
+void WatchedSession::wait_for_error(const std::string& name) {
+  wait_for(name, has_panel);
+  std::this_thread::sleep_for(kPageGuard);
+}
+
+void WatchedSession::wait_for_consent(const std::string& name) {
+  wait_for(name, is_page);
+  std::this_thread::sleep_for(kConsentGuard);
+}
 
 void WatchedSession::wait_for_trial(const TrialRow& trial, const std::string& name) {
   std::optional<std::string> difference;
@@ -201,6 +214,11 @@ bool WatchedSession::is_showing(const TrialRow& trial) const {
 bool WatchedSession::stays(const TrialRow& trial) const {
   std::this_thread::sleep_for(kLongHold);
   return is_showing(trial);
+}
+
+bool WatchedSession::has_changed() const {
+  std::this_thread::sleep_for(kLongHold);
+  return display_->take_screenshot() != last_screen_;
 }
 
 bool WatchedSession::stays_away(const TrialRow& trial) const {

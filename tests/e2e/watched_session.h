@@ -44,7 +44,7 @@ class WatchedSession {
   ChildProcess& program() { return program_; }
 
   /// Each waits until its screen is there, with a test failure if it does not come; then a picture of it is
-  /// kept as NAME.png if EQUILUX_SCREENSHOTS names a folder.
+  /// kept as NAME.png if EQUILUX_SCREENSHOTS names a folder. A page is waited for until it takes presses.
   void wait_for_page(const std::string& name);
   /// A page with the panel of an error.
   void wait_for_error(const std::string& name);
@@ -52,12 +52,17 @@ class WatchedSession {
   /// Waits until the log has a session of this experiment, and gives its id.
   std::int64_t wait_for_session(Experiment experiment);
 
+  /// The consent text takes no press for longer than other pages.
+  void wait_for_consent(const std::string& name);
+
   /// The screen as NAME.png, if EQUILUX_SCREENSHOTS names a folder.
   void keep(const std::string& name) const;
 
   bool is_showing(const TrialRow& trial) const;
   /// Lets the program do what it should not, for a while; true if the trial is still shown then.
   bool stays(const TrialRow& trial) const;
+  /// Likewise; true if the screen is another page or looks otherwise then.
+  bool has_changed() const;
   /// Likewise; true if it is not shown then.
   bool stays_away(const TrialRow& trial) const;
 

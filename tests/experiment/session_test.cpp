@@ -219,7 +219,12 @@ TEST(Session, LeadsFromFamiliarPagesThroughPracticeWithFeedbackToTheMainPart) {
   advance(session, ContinueEvent{2});
   EXPECT_EQ(session.page, 1);
   advance(session, BackEvent{3});
+  EXPECT_EQ(session.page, 0);
   advance(session, BackEvent{3});
+  EXPECT_EQ(session.screen, Screen::kInstructions);
+  EXPECT_TRUE(advance(session, BackEvent{3}).empty());
+  EXPECT_EQ(session.screen, Screen::kInstructions);
+  EXPECT_TRUE(advance(session, ContinueEvent{4}).empty());
   EXPECT_EQ(session.page, 0);
   advance(session, ContinueEvent{4});
   advance(session, ContinueEvent{5});

@@ -97,6 +97,74 @@ TEST_F(InputTest, SpaceAndEnterLeaveOnlyTheInstructions) {
   }
 }
 
+// Of every page, and of both keys that turn one back.
+TEST_F(InputTest, APageTakesNoPressWithinItsGuardTime) {
+  for (const Screen screen : {Screen::kInstructions, Screen::kFamiliar, Screen::kPractice, Screen::kFeedback,
+                              Screen::kMain, Screen::kBreak}) {
+    SubjectInput input(make_layout({1136, 930}, {560, 420}, Experiment::kArtifact));
+    input.open_page(1000);
+    EXPECT_FALSE(input.read(press(Key::kSpace, 1000 + kPageGuardNs - 1), screen).has_value());
+    input.read(release(Key::kSpace, 1000 + kPageGuardNs - 1), screen);
+    EXPECT_TRUE(input.read(press(Key::kSpace, 1000 + kPageGuardNs), screen).has_value());
+  }
+  input_.open_page(1000);
+  EXPECT_FALSE(input_.read(press(Key::kBackspace, 1001), Screen::kFamiliar).has_value());
+  input_.read(release(Key::kBackspace, 1002), Screen::kFamiliar);
+  const auto meaning = input_.read(press(Key::kBackspace, 1000 + kPageGuardNs), Screen::kFamiliar);
+  ASSERT_TRUE(meaning.has_value());
+  EXPECT_TRUE(std::holds_alternative<BackEvent>(*meaning));
+}
+
+InputEvent character(std::int64_t time_ns) {
+  InputEvent event;
+  event.kind = InputKind::kCharacter;
+  event.time_ns = time_ns;
+  return event;
+}
+
+TEST(PageGuard, KeepsOutWhatIsHeldFromBeforeUntilItIsPressedAnew) {
+  PageGuard guard;
+  guard.open(0, 10);
+  EXPECT_TRUE(guard.admit(press(Key::kEnter, 20)));
+  guard.open(100, 10);
+  EXPECT_FALSE(guard.admit(key(InputKind::kKeyRepeat, Key::kEnter, 150)));
+  EXPECT_FALSE(guard.admit(character(150)));
+  EXPECT_FALSE(guard.admit(press(Key::kEnter, 151))) << "without a release between";
+  EXPECT_TRUE(guard.admit(press(Key::kSpace, 152))) << "another key";
+  EXPECT_TRUE(guard.admit(character(152)));
+  EXPECT_TRUE(guard.admit(release(Key::kEnter, 160)));
+  EXPECT_TRUE(guard.admit(press(Key::kEnter, 161)));
+  EXPECT_TRUE(guard.admit(key(InputKind::kKeyRepeat, Key::kEnter, 170)));
+}
+
+TEST(PageGuard, AKeyPressedTooEarlyStaysOutWhileItIsHeld) {
+  PageGuard guard;
+  guard.open(100, 10);
+  EXPECT_FALSE(guard.admit(press(Key::kDown, 109)));
+  EXPECT_FALSE(guard.admit(character(109)));
+  EXPECT_FALSE(guard.admit(key(InputKind::kKeyRepeat, Key::kDown, 120)));
+  EXPECT_FALSE(guard.admit(mouse(InputKind::kMousePress, 5, 109)));
+  EXPECT_TRUE(guard.admit(mouse(InputKind::kMouseRelease, 5, 120)));
+  EXPECT_TRUE(guard.admit(mouse(InputKind::kMousePress, 5, 121)));
+}
+
+// A press every 5 where 10 must pass: for ever, until there is a rest.
+TEST(PageGuard, ThatNeedsQuietIsNotWornDownByKeysPressedAgainAndAgain) {
+  for (const bool needs_quiet : {false, true}) {
+    PageGuard guard;
+    guard.open(100, 10, needs_quiet);
+    int admitted = 0;
+    std::int64_t now = 100;
+    for (int i = 0; i < 50; ++i) {
+      now += 5;
+      admitted += guard.admit(press(Key::kEnter, now)) ? 1 : 0;
+      guard.admit(release(Key::kEnter, now + 1));
+    }
+    EXPECT_EQ(admitted, needs_quiet ? 0 : 49);
+    EXPECT_TRUE(guard.admit(press(Key::kEnter, now + 10)));
+  }
+}
+
 TEST_F(InputTest, EscapeMustBeHeldForTwoSecondsOnEnd) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   EXPECT_FALSE(input_.find_pause(100 * kSecond).has_value());

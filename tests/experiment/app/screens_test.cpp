@@ -1,6 +1,7 @@
 // The start form as values; how it looks is for the window tests.
 #include "experiment/app/screens.h"
 
+#include <cstdio>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,6 +52,61 @@ TEST(StartFormTest, EachFieldThatIsMissingIsNamed) {
   EXPECT_THAT(error_of(params), testing::HasSubstr("Experiment"));
   params.study_folder.clear();
   EXPECT_THAT(error_of(params), testing::HasSubstr("Study folder"));
+}
+
+SetupForm typed(const char* diagonal, const char* distance) {
+  SetupForm form = make_setup_form(0);
+  std::snprintf(form.diagonal_inches.data(), form.diagonal_inches.size(), "%s", diagonal);
+  std::snprintf(form.distance_cm.data(), form.distance_cm.size(), "%s", distance);
+  return form;
+}
+
+TEST(SetupFormTest, ReadsNumbersWithPointOrComma) {
+  const SetupForm form = typed(" 24 ", "61,5");
+  EXPECT_TRUE(is_right(form));
+  EXPECT_DOUBLE_EQ(read_setup_form(form).diagonal_m, 24 * .0254);
+  EXPECT_DOUBLE_EQ(read_setup_form(form).viewing_distance_m, .615);
+}
+
+TEST(SetupFormTest, WhatIsLeftEmptyIsNotGiven) {
+  EXPECT_TRUE(is_right(typed("", " ")));
+  EXPECT_EQ(read_setup_form(typed("", " ")).diagonal_m, 0);
+  EXPECT_EQ(read_setup_form(typed("", " ")).viewing_distance_m, 0);
+}
+
+TEST(SetupFormTest, WhatIsNoSizeIsNamedAndLeavesTheFormWrong) {
+  for (const char* text : {"24\"", "60 cm", "0x10", "nan", "inf", "1e2", "-5", "0", "1.234,5", "99999"}) {
+    EXPECT_FALSE(is_right(typed(text, "60"))) << text;
+    EXPECT_FALSE(is_right(typed("24", text))) << text;
+    EXPECT_THAT(find_errors(typed(text, "60")).diagonal, testing::HasSubstr(text));
+    EXPECT_THAT(find_errors(typed("24", text)).distance, testing::HasSubstr("cm from 1 to 10000"));
+    EXPECT_EQ(read_setup_form(typed("24", text)).viewing_distance_m, 0);
+  }
+}
+
+TEST(ConsentFormTest, EnterIsTheChoiceThatHasTheFrame) {
+  ConsentForm form;
+  form.is_read = true;
+  EXPECT_EQ(find_choice(form, Key::kEnter), true) << "as its button says";
+  form.focused = true;
+  EXPECT_EQ(find_choice(form, Key::kEnter), true);
+  form.focused = false;
+  EXPECT_EQ(find_choice(form, Key::kEnter), false);
+  for (const auto focused : {std::optional<bool>(), std::optional(true), std::optional(false)}) {
+    form.focused = focused;
+    EXPECT_EQ(find_choice(form, Key::kBackspace), false);
+    EXPECT_EQ(find_choice(form, Key::kSpace), std::nullopt);
+  }
+}
+
+TEST(ConsentFormTest, NobodyAgreesToATextWhoseEndWasNotOnTheScreen) {
+  ConsentForm form;
+  EXPECT_EQ(find_choice(form, Key::kEnter), std::nullopt);
+  EXPECT_EQ(take_choice(form, true), std::nullopt);
+  EXPECT_EQ(take_choice(form, false), false);
+  EXPECT_EQ(find_choice(form, Key::kBackspace), false);
+  form.focused = false;
+  EXPECT_EQ(find_choice(form, Key::kEnter), false);
 }
 
 }  // namespace

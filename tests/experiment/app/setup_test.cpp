@@ -50,6 +50,9 @@ TEST(SetupTest, TheTypedDistanceTakesTheProtocolsPlace) {
   input.viewing_distance_m = .9144;
   const ViewingSetup setup = find_setup(input, make_facts(), kTarget, kPicture);
   EXPECT_EQ(setup.viewing_distance_m, .9144);
+  EXPECT_EQ(setup.distance_source, "typed");
+  input.viewing_distance_m = 0;
+  EXPECT_EQ(find_setup(input, make_facts(), kTarget, kPicture).distance_source, "target");
   EXPECT_THAT(setup.remarks, ElementsAre(AllOf(HasSubstr("at 91 cm"), HasSubstr("8.0 x 6.0"))));
 }
 
@@ -83,21 +86,40 @@ TEST(SetupTest, TheFieldsOfASessionTellHowItWasSetUp) {
   const ScreenFacts facts = make_facts();
   const auto fields = find_screen_fields(find_setup(input, facts, kTarget, kPicture), facts);
   EXPECT_EQ(fields.at("pixel_pitch_source"), "card");
+  EXPECT_EQ(fields.at("viewing_distance_source"), "target");
   EXPECT_EQ(fields.at("pixel_pitch_x_mm"), "0.22949");
   EXPECT_EQ(fields.at("refresh_hz_measured"), "59.940");
   EXPECT_EQ(fields.at("video_mode"), "1600x1200");
 }
 
-// Two frames, and never less than 50 ms; without a rate 50 ms alone.
-TEST(SetupTest, AShowingIsSlowByTheScreensRate) {
-  const std::int64_t ms = 1'000'000;
-  for (const std::optional<double> hz :
-       {std::optional(60.0), std::optional(144.0), std::optional(0.0), std::optional<double>()}) {
-    EXPECT_FALSE(is_slow_showing(50 * ms, hz));
-    EXPECT_TRUE(is_slow_showing(50 * ms + 1, hz));
+ScreenFacts at_rate(double mode_hz, std::optional<double> measured_hz) {
+  ScreenFacts facts;
+  facts.mode_hz = mode_hz;
+  facts.measured_hz = measured_hz;
+  return facts;
+}
+
+// One and a half frames: 25 ms at 60 Hz, 10.4 ms at 144 Hz, 62.5 ms at 24 Hz.
+TEST(SetupTest, AShowingIsSlowFromOneDroppedFrameOnWhereTheRateIsTheScreensOwn) {
+  constexpr std::int64_t kUs = 1'000;
+  for (const auto& [hz, most_us] :
+       {std::pair(60.0, 25'000), std::pair(144.0, 10'416), std::pair(24.0, 62'500)}) {
+    EXPECT_FALSE(is_slow_showing(most_us * kUs, at_rate(hz, hz))) << hz;
+    EXPECT_TRUE(is_slow_showing((most_us + 1) * kUs, at_rate(hz, hz))) << hz;
   }
-  EXPECT_FALSE(is_slow_showing(83 * ms, 24)) << "two frames of a film";
-  EXPECT_TRUE(is_slow_showing(84 * ms, 24));
+  EXPECT_TRUE(is_slow_showing(26'000 * kUs, at_rate(60, 59.0)));
+}
+
+// Else two frames, and never less than 50 ms; without a rate 50 ms alone.
+TEST(SetupTest, WhereFramesAreNotInStepWithTheScreenAShowingIsSlowBy50Ms) {
+  constexpr std::int64_t kMs = 1'000'000;
+  for (const ScreenFacts& facts : {at_rate(60, 700.0), at_rate(60, 144.0), at_rate(0, 60.0), at_rate(60, 0.0),
+                                   at_rate(60, std::nullopt)}) {
+    EXPECT_FALSE(is_slow_showing(50 * kMs, facts)) << facts.measured_hz.value_or(-1);
+    EXPECT_TRUE(is_slow_showing(50 * kMs + 1, facts)) << facts.measured_hz.value_or(-1);
+  }
+  EXPECT_FALSE(is_slow_showing(83 * kMs, at_rate(60, 24.0))) << "two frames of a film";
+  EXPECT_TRUE(is_slow_showing(84 * kMs, at_rate(60, 24.0)));
 }
 
 // Intervals of 60 and 144 Hz with one dropped frame; and of a screen that does not wait.
