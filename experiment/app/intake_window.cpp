@@ -25,6 +25,8 @@ struct RunningPage {
 
 // ImGui moves its frame to another control in the frame after the one that saw the key.
 constexpr int kFramesToMove = 2;
+// It knows after some how long a page is, and what is to be said below it.
+constexpr int kFramesToSettle = 4;
 
 bool draw_frames(AppWindow& window, Gui& gui, const RunningPage& page, int frames) {
   bool is_left = false;
@@ -40,7 +42,7 @@ bool draw_frames(AppWindow& window, Gui& gui, const RunningPage& page, int frame
 
 // False if the window was closed.
 bool run_page(AppWindow& window, Gui& gui, const RunningPage& page) {
-  if (draw_frames(window, gui, page, 1)) return true;
+  if (draw_frames(window, gui, page, kFramesToSettle)) return true;
   PageGuard guard;
   open_guard(window, gui, guard, page.guard_ns, page.needs_quiet);
   std::deque<InputEvent> waiting;  // each is read when what came before it has been laid out

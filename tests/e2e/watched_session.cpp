@@ -177,6 +177,7 @@ void WatchedSession::wait_for_error(const std::string& name) {
 void WatchedSession::wait_for_consent(const std::string& name) {
   wait_for(name, is_page);
   std::this_thread::sleep_for(kConsentGuard);
+  last_screen_ = display_->take_screenshot();
 }
 
 void WatchedSession::wait_for_trial(const TrialRow& trial, const std::string& name) {
