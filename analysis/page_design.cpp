@@ -326,7 +326,8 @@ constexpr FactRow kCountRows[] = {{"language", "language of the texts"},
                                   {"video_mode", "video mode"},
                                   {"framebuffer", "window, pixels"},
                                   {"content_scale", "scaling by the system"},
-                                  {"pixel_pitch_source", "size of a pixel, source"}};
+                                  {"pixel_pitch_source", "size of a pixel, source"},
+                                  {"viewing_distance_source", "viewing distance, source"}};
 
 constexpr FactRow kRangeRows[] = {{"viewing_distance_m", "viewing distance, m"},
                                   {"degrees_wide", "width of a picture, degrees"},

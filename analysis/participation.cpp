@@ -13,9 +13,10 @@ namespace {
 constexpr std::size_t kDayLength = 10;  ///< of 2026-01-31 in an ISO 8601 time
 
 // Of what the window keeps with a session (docs/sessions.md), what a reader can judge viewing by.
-constexpr const char* kCountedFields[] = {"language",   "consent_version", "age_band",
-                                          "acuity",     "colour_vision",   "ambient_light",
-                                          "video_mode", "content_scale",   "pixel_pitch_source"};
+constexpr const char* kCountedFields[] = {
+    "language",           "consent_version",        "age_band",   "acuity",
+    "colour_vision",      "ambient_light",          "video_mode", "content_scale",
+    "pixel_pitch_source", "viewing_distance_source"};
 constexpr const char* kMeasuredFields[] = {"pixel_pitch_x_mm", "pixel_pitch_y_mm", "refresh_hz_measured"};
 
 std::string find_field(const SessionRow& row, const char* name) {
