@@ -53,8 +53,8 @@ class TinyStudy {
     json.set("normalise", normalise).set("windows", "windows.json").set("truth", "truth.json");
     json.set("session", "session.json");
     const std::vector<std::string> names =
-        compensated && many ? std::vector<std::string>{"GS"} : std::vector<std::string>{"MS", "GS"};
-    const std::string materials = compensated && many ? R"(["GS"])" : R"(["MS","GS"])";
+        compensated && many ? std::vector<std::string>{"BR", "GS"} : std::vector<std::string>{"MS", "GS"};
+    const std::string materials = compensated && many ? R"(["BR","GS"])" : R"(["MS","GS"])";
     const std::string illuminations = one_light ? R"(["ind"])" : R"(["ind","dir"])";
     json.set("blocks", parse_json(R"([{"geometries":[")" + geometry + R"("],"materials":)" + materials +
                                       R"(,"illuminations":)" + illuminations + R"(,"vpl_counts":[")" + count +
