@@ -33,12 +33,16 @@ std::int64_t get_count(const Json& json, const char* key, const std::string& pat
 }  // namespace
 
 void save_verdict(const StudyFolder& folder, const std::vector<Finding>& findings) {
+  if (findings.empty()) {
+    remove_verdict(folder);
+    return;
+  }
   Json json;
   json.set("schema", kSchema).set("schema_version", 1);
   json.set("producer", std::string("equilux-render ") + kVersion);
   json.set("manifest", digest_if_there(folder.manifest())).set("layers", digest_if_there(folder.layers()));
   json.set("findings", static_cast<std::int64_t>(findings.size()));
-  json.set("first", findings.empty() ? "" : format_finding(findings.front()));
+  json.set("first", format_finding(findings.front()));
   save_text(folder.verdict(), format_json(json));
 }
 

@@ -1,4 +1,5 @@
-// verdict.json: what `equilux-render verify` found last, for the programs that show and count pictures.
+// verdict.json: what `equilux-render verify` found last, for the programs that show and count pictures. A set
+// in which it found nothing has none.
 #pragma once
 
 #include <vector>
@@ -8,7 +9,7 @@
 
 namespace equilux {
 
-/// Writes it beside the records that it is about. errors: StoreError
+/// Writes it beside the records that it is about; where nothing was found it goes. errors: StoreError
 void save_verdict(const StudyFolder& folder, const std::vector<Finding>& findings);
 
 /// Before the folder is changed. errors: StoreError

@@ -42,9 +42,10 @@ bool draw_frames(AppWindow& window, Gui& gui, const RunningPage& page, int frame
 
 // False if the window was closed.
 bool run_page(AppWindow& window, Gui& gui, const RunningPage& page) {
-  if (draw_frames(window, gui, page, kFramesToSettle)) return true;
+  if (draw_frames(window, gui, page, 1)) return true;
   PageGuard guard;
   open_guard(window, gui, guard, page.guard_ns, page.needs_quiet);
+  if (draw_frames(window, gui, page, kFramesToSettle)) return true;
   std::deque<InputEvent> waiting;  // each is read when what came before it has been laid out
   while (!window.is_closing()) {
     const bool was_key = gui.has_events();

@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint8_t kGrey = 128;
 constexpr std::uint8_t kPanelGrey = 232;
 // A page takes no press for .3 s, the consent text for 1 s.
-constexpr std::chrono::milliseconds kPageGuard{450}, kConsentGuard{1300};
+constexpr std::chrono::milliseconds kPageGuard{550}, kConsentGuard{1300};
 constexpr std::chrono::milliseconds kLongHold{900};  ///< longer than the key repeat of the X server, 660 ms
 
 std::vector<std::string> command_line(const std::vector<std::string>& arguments) {

@@ -25,8 +25,10 @@ class Verdict : public testing::Test {
 TEST_F(Verdict, IsNothingWhereNothingWasAskedOrFound) {
   EXPECT_THAT(find_verdict(folder_), IsEmpty());
   save_text(folder_.manifest(), "{}");
+  save_verdict(folder_, {{"a", "b"}});
   save_verdict(folder_, {});
   EXPECT_THAT(find_verdict(folder_), IsEmpty());
+  EXPECT_FALSE(std::filesystem::exists(folder_.verdict())) << "a whole set is the same, verified or not";
 }
 
 TEST_F(Verdict, TellsTheFirstThatWasFoundUntilTheRecordsChange) {
