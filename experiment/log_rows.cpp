@@ -82,13 +82,17 @@ TrialRow read_trial(const Statement& row, const std::string& source) {
   return trial;
 }
 
+// Of a picture's key: v0 or v1.
+constexpr std::size_t kViewLength = 2;
+
 TrialRow read_brief_trial(const Statement& row, CellReader& cells, const std::string& source) {
   TrialRow trial;
   trial.number = static_cast<int>(row.integer(0));
   trial.phase = parse_phase(row.view(1), source);
   trial.cell = cells.read(row.view(2), source, "trial/cell");
   trial.test_side = parse_side(row.view(3), source);
-  trial.test_key = row.view(7);
+  const std::string_view key = row.view(7);
+  trial.test_key = key.substr(key.size() - std::min(key.size(), kViewLength));
   if (row.is_null(4)) return trial;
   trial.answer = parse_side(row.view(4), source);
   trial.response_time_ns = row.integer(5);
@@ -168,7 +172,7 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
 std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t session, CellReader& cells) {
   Statement statement(database,
                       "SELECT trial, phase, cell, test_side, answer, response_time_ns, too_fast,"
-                      " substr(test_key, -2) FROM trial WHERE session = ? ORDER BY trial",
+                      " test_key FROM trial WHERE session = ? ORDER BY trial",
                       session);
   std::vector<TrialRow> trials;
   trials.reserve(kUsualTrials);

@@ -20,7 +20,7 @@ constexpr std::size_t kPictures = 24;  // which stand under all names by turns
 constexpr const char* kProtocol = R"({
   "schema": "equilux-session", "schema_version": 1,
   "familiarisation": {"objects": false, "examples": 0, "practice_trials": 0},
-  "breaks": {"every_trials": 0}
+  "breaks": {"every_trials": 100000}
 })";
 
 // A ramp with a grain of some steps: a PNG of it is as large as one of the café.
