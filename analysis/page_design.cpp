@@ -407,17 +407,17 @@ std::vector<std::string> balance_row(const Balance& balance, Experiment experime
 
 // The rule, and beside it what the trials of counted sessions were like.
 std::string format_balance(const Report& report) {
-  const Table table{
-      {"measured in finished sessions", "within a session: largest difference (of sessions)",
-       "of a cell over sessions: largest difference (of cells)", "most answers of a subject to a cell"},
-      {balance_row(report.artifact_balance, Experiment::kArtifact),
-       balance_row(report.material_balance, Experiment::kMaterial)}};
+  const Table table{{"largest difference", "in a session", "of a cell over sessions",
+                     "most answers of a subject to a cell"},
+                    {balance_row(report.artifact_balance, Experiment::kArtifact),
+                     balance_row(report.material_balance, Experiment::kMaterial)}};
   return "<p>Forced choice of left or right without a time limit, by rule one answer of a subject to each "
          "picture condition, a cell. Side and view of the VPL picture are balanced together: by rule counts "
          "of the four combinations differ by at most one within a session, and for each cell over subjects "
          "in their order. The order of trials is drawn anew for each session.</p>\n" +
          format_html_table(table, 1) +
-         "<p class=\"note\">From <code>test_key</code> and <code>test_side</code> of the main trials; "
+         "<p class=\"note\">As measured in finished sessions, of so many sessions and cells. From "
+         "<code>test_key</code> and <code>test_side</code> of the main trials; "
          "<code>report.json</code> has it as <code>balance</code>.</p>\n";
 }
 
