@@ -37,12 +37,6 @@ TriangleMesh to_mesh(const aiMesh& part, bool with_normals, MeshRepairs& repairs
   return mesh;
 }
 
-bool has_extension(const std::filesystem::path& path, std::string_view extension) {
-  std::string own = path.extension().string();
-  for (char& c : own) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return own == extension;
-}
-
 // What assimp's later steps and ours take on trust.
 void check_part(const aiMesh& part, const std::string& source) {
   for (unsigned i = 0; i < part.mNumVertices; ++i) {

@@ -292,13 +292,13 @@ std::size_t count_duplicates(std::vector<Vec3> points) {
   return static_cast<std::size_t>(points.end() - end);
 }
 
+}  // namespace
+
 bool has_extension(const std::filesystem::path& path, std::string_view extension) {
   std::string own = path.extension().string();
   for (char& c : own) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return own == extension;
 }
-
-}  // namespace
 
 bool is_obj(const std::filesystem::path& path) {
   if (has_extension(path, ".obj")) return true;

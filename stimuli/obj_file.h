@@ -2,10 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 #include "stimuli/mesh.h"
 
 namespace equilux {
+
+/// Whether a file's name ends so, in whatever case; `extension` in small letters, with its dot.
+bool has_extension(const std::filesystem::path& path, std::string_view extension);
 
 /// True for a file that its ending or, where that names no format of ours, its first statement calls OBJ.
 bool is_obj(const std::filesystem::path& path);
