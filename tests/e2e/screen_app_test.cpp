@@ -40,6 +40,14 @@ class ScreenAppTest : public AppTest {
         RawDatabase(folder.responses())
             .value("SELECT count(*) FROM event WHERE kind = 'showing' AND trial = " + std::to_string(trial)));
   }
+  // The environment of a program whose frames come late while that file stands there.
+  static std::map<std::string, std::string> come_late(const std::filesystem::path& while_it_stands,
+                                                      int late_ms) {
+    return {{"LD_PRELOAD", EQUILUX_SLOW_SWAP},
+            {"EQUILUX_SLOW_WHILE", while_it_stands.string()},
+            {"EQUILUX_SLOW_MS", std::to_string(late_ms)},
+            {"ASAN_OPTIONS", "detect_leaks=0:verify_asan_link_order=0"}};
+  }
   // From the instructions to the pair before which `answered` were answered.
   static std::vector<TrialRow> go_to_trial(XDisplay& display, WatchedSession& session, Experiment experiment,
                                            int answered) {
@@ -150,9 +158,7 @@ TEST_F(ScreenAppTest, APairThatComesLateIsNotedAndToldAtTheEnd) {
   const std::filesystem::path slow = folder_.path() / "slow";
   XDisplay display;
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"),
-                         {{"LD_PRELOAD", EQUILUX_SLOW_SWAP},
-                          {"EQUILUX_SLOW_WHILE", slow.string()},
-                          {"ASAN_OPTIONS", "detect_leaks=0:verify_asan_link_order=0"}});
+                         come_late(slow, 120));
   const auto trials = go_to_trial(display, session, Experiment::kArtifact, 2);
   ASSERT_FALSE(HasFatalFailure());
   save_text(slow, "");
@@ -178,6 +184,23 @@ TEST_F(ScreenAppTest, APairThatComesLateIsNotedAndToldAtTheEnd) {
   std::map<int, int> ms_by_trial;
   for (const std::string& event : late) ms_by_trial.insert(find_ms(event));
   EXPECT_GE(ms_by_trial[3], 120) << testing::PrintToString(late);
+}
+
+// A Tab's press and release are a frame apart, which must not look like a key that is held.
+TEST_F(ScreenAppTest, AKeyThatIsStruckOnceWhereFramesAreSlowMovesByOne) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  const std::filesystem::path slow = folder_.path() / "slow";
+  auto arguments = arguments_for(folder, "artifact");
+  arguments.push_back("--setup");
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments, come_late(slow, 350));
+  session.wait_for_error("");
+  ASSERT_FALSE(HasFatalFailure());
+  save_text(slow, "");
+  for (const char* key : {"Tab", "Tab", "6", "1", "Return"}) display.type_key(key);
+  ASSERT_NE(session.wait_for_session(Experiment::kArtifact), 0);
+  const ScreenRecord screen = TrialLog(folder.responses()).load_sessions().back().screen;
+  EXPECT_DOUBLE_EQ(screen.viewing_distance_m.value_or(0), 0.61);
 }
 
 // Rows of the question's place on which something is written.

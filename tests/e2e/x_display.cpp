@@ -6,8 +6,10 @@
 #include <X11/Xutil.h>
 #include <X11/extensions/XTest.h>
 #include <X11/keysym.h>
+#include <chrono>
 #include <fmt/format.h>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace equilux {
@@ -23,7 +25,11 @@ struct XDisplay::Connection {
     if (code == 0) throw std::runtime_error(fmt::format("no key for {:#x}", symbol));
     return code;
   }
+  // GLFW takes a second press of a key in one and the same millisecond for an input method's copy of the
+  // first.
   void send_key(KeyCode code, bool is_down) const {
+    constexpr std::chrono::milliseconds kFastestPress{3};
+    if (is_down) std::this_thread::sleep_for(kFastestPress);
     XTestFakeKeyEvent(display, code, is_down ? True : False, CurrentTime);
     XSync(display, False);
   }
