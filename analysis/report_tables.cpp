@@ -2,6 +2,7 @@
 #include "analysis/report_tables.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <set>
 
@@ -231,7 +232,7 @@ Json make_value(const std::string& text, std::string_view datatype) {
   if (text.empty()) return nullptr;
   if (datatype == "boolean") return text == "true";
   if (datatype == "integer") return std::stoll(text);
-  return std::stod(text);
+  return std::strtod(text.c_str(), nullptr);  // std::stod throws at what is below the least normal number
 }
 
 // What finished sessions say of one thing, each value once, sorted; not where they say nothing.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "analysis/report_tables.h"
 #include "base/error.h"
 
 namespace equilux::tests {
@@ -32,6 +33,14 @@ TEST(Csv, text_that_breaks_off_is_refused) {
   EXPECT_THROW(parse_csv("a,b\n1,2", "test"), InputError);
   EXPECT_THROW(parse_csv("a\n\"open", "test"), InputError);
   EXPECT_THROW(parse_csv("a\n\"x\"y\n", "test"), InputError);
+}
+
+// As a p of a thousand right answers is.
+TEST(Csv, a_number_below_the_least_normal_one_becomes_one_of_json) {
+  const Json rows = make_rows_json({"cells.csv", {{"p_guess"}, {{"8.289046e-317"}, {"0.5"}, {""}}}});
+  EXPECT_EQ(rows.at(std::size_t{0}).at("p_guess").as_double(), 8.289046e-317);
+  EXPECT_EQ(rows.at(std::size_t{1}).at("p_guess").as_double(), 0.5);
+  EXPECT_TRUE(rows.at(std::size_t{2}).at("p_guess").is_null());
 }
 
 }  // namespace
