@@ -129,15 +129,19 @@ TEST(Reference, AMutantThatKeepsItsPilotIsCaught) {
   EXPECT_LT(test::test_equal_means(test::mean_of(kept), test::mean_of(honest), kSeeds), .01 / 3);
 }
 
-// Seeds 1 to 3, at 40 x 40 pixels but for one target. The fewer pixels the object has, the more the worst of
-// a hundred depend on chance.
+// At 40 x 40 pixels but for one target, by three seeds or, where it is dear, by one. The fewer pixels the
+// object has, the more the worst of a hundred depend on chance.
 TEST(Reference, MeetsItsNoiseTargetWithoutWaste) {
   const Stage small(40, 1), large(80, 1);
-  const std::pair<NoiseTarget, const Stage*> cases[] = {
-      {{3, 6, 6}, &large}, {{1, 3, 2}, &small}, {{2, 4, 1.5}, &small}, {{2, 2.5, 1}, &small}};
-  for (const auto& [target, stage_of_it] : cases) {
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      const Stage& stage = *stage_of_it;
+  struct Case {
+    NoiseTarget target;
+    const Stage& stage;
+    std::uint64_t seeds;
+  };
+  const Case cases[] = {
+      {{3, 6, 6}, large, 3}, {{1, 3, 2}, small, 1}, {{2, 4, 1.5}, small, 2}, {{2, 2.5, 1}, small, 1}};
+  for (const auto& [target, stage, seeds] : cases) {
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       const DisplayNoise noise = stage.noise(stage.trace(adaptive(target, seed)));
       EXPECT_TRUE(meets_target(noise, target))
           << noise.object_mean << " " << noise.object_p99 << " " << noise.outside_mean;
