@@ -1,6 +1,8 @@
 // An abort counts until the session is seen going on.
 #include "experiment/session_outcome.h"
 
+#include <fmt/format.h>
+
 namespace equilux {
 namespace {
 
@@ -41,6 +43,16 @@ SessionOutcome find_outcome(const SessionRow& row, const std::vector<TrialRow>& 
     summary.interruption = find_interruption(events).value_or("");
   }
   return summary;
+}
+
+std::string describe_unfinished(const SessionRow& row, const std::vector<TrialRow>& trials,
+                                const std::vector<EventRow>& events) {
+  const SessionOutcome outcome = find_outcome(row, trials, events);
+  const std::string end =
+      outcome.abort_reason.empty() ? "" : fmt::format(", ended early ({})", outcome.abort_reason);
+  return fmt::format(
+      "Goes on with session {}, begun {}: {} of {} answered{}. Consent and questions are not asked again.",
+      row.id, row.started_utc, outcome.answered, outcome.trials, end);
 }
 
 }  // namespace equilux

@@ -30,4 +30,9 @@ std::string format_state(SessionState state);
 SessionOutcome find_outcome(const SessionRow& row, const std::vector<TrialRow>& trials,
                             const std::vector<EventRow>& events);
 
+/// Of a session that goes on, a sentence for the experimenter: so that a code that was mistyped is seen to be
+/// another's before its session goes on with the wrong person.
+std::string describe_unfinished(const SessionRow& row, const std::vector<TrialRow>& trials,
+                                const std::vector<EventRow>& events);
+
 }  // namespace equilux

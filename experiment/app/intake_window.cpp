@@ -110,12 +110,12 @@ bool ask_setup(AppWindow& window, Gui& gui, Workplace& work) {
                          work.inputs.study.viewing_distance_m,
                          find_least_framebuffer(picture),
                          work.request.participant,
-                         format_experiment(work.inputs.experiment)};
+                         format_experiment(work.inputs.experiment),
+                         work.goes_on_with};
     return draw_setup(gui, window.framebuffer(), view, form);
   };
   const auto read = [&](const InputEvent& event) {
-    constexpr int kFirstCardPx = 320;
-    if (is_press(event, Key::kF3)) form.card_px = form.card_px > 0 ? 0 : kFirstCardPx;
+    if (is_press(event, Key::kF3)) switch_card(form);
     return is_press(event, Key::kEnter) && leave_setup(form);
   };
   const bool is_left = run_page(window, gui, {draw, read});

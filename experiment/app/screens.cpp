@@ -107,16 +107,18 @@ void draw_card(int card_px) {
 }
 
 void draw_card_form(SetupForm& form) {
-  constexpr int kFirst = 320, kLeast = 100, kMost = 740;
+  constexpr int kLeast = 100;
   ImGui::TextWrapped(
       "Hold a bank card to the bar and change the bar until it is as wide as the card's long side.");
   bool holds = form.card_px > 0;
-  if (ImGui::Checkbox("a card is held to the screen (F3)", &holds)) form.card_px = holds ? kFirst : 0;
+  if (ImGui::Checkbox("a card is held to the screen (F3)", &holds)) switch_card(form);
   if (form.card_px == 0) return;
+  const int most = std::max(kLeast, static_cast<int>(ImGui::GetContentRegionAvail().x));
   ImGui::SetNextItemWidth(-1);
-  ImGui::SliderInt("##card", &form.card_px, kLeast, kMost, "%d pixels");
-  form.card_px = std::clamp(form.card_px, kLeast, kMost);
+  form.was_card_matched |= ImGui::SliderInt("##card", &form.card_px, kLeast, most, "%d pixels");
+  form.card_px = std::clamp(form.card_px, kLeast, most);
   draw_card(form.card_px);
+  if (!form.was_card_matched) ImGui::TextWrapped("The bar was not changed yet: the card does not count.");
 }
 
 void draw_radio(const Texts& texts, const SessionProtocol& protocol, Intake& intake,
@@ -203,8 +205,15 @@ bool is_right(const SetupForm& form) {
   return errors.diagonal.empty() && errors.distance.empty();
 }
 
+void switch_card(SetupForm& form) {
+  constexpr int kFirstPx = 320;
+  form.card_px = form.card_px > 0 ? 0 : kFirstPx;
+  form.was_card_matched = false;
+}
+
 SetupInput read_setup_form(const SetupForm& form) {
-  return {read_number(read_text(form.diagonal_inches), kDiagonal).value_or(0) * kMetresPerInch, form.card_px,
+  return {read_number(read_text(form.diagonal_inches), kDiagonal).value_or(0) * kMetresPerInch,
+          form.was_card_matched ? form.card_px : 0,
           read_number(read_text(form.distance_cm), kDistance).value_or(0) / 100};
 }
 
@@ -215,7 +224,8 @@ bool leave_setup(SetupForm& form) {
 
 bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
   const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
-  page.say(fmt::format("Participant {}, {} experiment.", view.participant, view.experiment));
+  page.say(fmt::format("Participant {}, {} experiment. {}", view.participant, view.experiment,
+                       view.goes_on_with.empty() ? "A new session." : view.goes_on_with));
   page.say(describe_setup(view));
   const SetupErrors errors = find_errors(form);
   const bool takes_focus = std::exchange(form.takes_focus, false);

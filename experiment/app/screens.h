@@ -42,8 +42,9 @@ bool draw_start(Gui& gui, Size framebuffer, StartForm& form);
 struct SetupForm {
   std::array<char, 16> diagonal_inches{};
   std::array<char, 16> distance_cm{};
-  int card_px = 0;           ///< 0: no card was held to the screen
-  bool takes_focus = false;  ///< the next frame puts the keyboard into the first field that is wrong
+  int card_px = 0;                ///< of the bar; 0: none is shown
+  bool was_card_matched = false;  ///< the bar was changed: until then it says nothing of this screen
+  bool takes_focus = false;       ///< the next frame puts the keyboard into the first field that is wrong
 };
 
 /// The distance is left to be typed.
@@ -59,7 +60,11 @@ bool is_right(const SetupForm& form);
 /// True where the form is right; else the keyboard goes to what is wrong.
 bool leave_setup(SetupForm& form);
 
-/// Numbers that cannot be read, or are not sizes, count as not given.
+/// Shows the bar to which a card is held, or takes it away.
+void switch_card(SetupForm& form);
+
+/// Numbers that cannot be read, or are not sizes, count as not given; so does a card to which the bar was not
+/// matched.
 SetupInput read_setup_form(const SetupForm& form);
 
 /// What the set-up screen shows beside the form.
@@ -70,6 +75,7 @@ struct SetupView {
   Size least_framebuffer;
   std::string participant;
   std::string experiment;
+  std::string goes_on_with;  ///< empty for a session that begins
 };
 
 /// True when the button was pressed and the form is right.

@@ -28,6 +28,7 @@ struct Workplace {
   std::optional<TrialLog> log;  ///< empty where no session has begun
   bool is_set_up = false;       ///< the experimenter has seen the set-up screen and its remarks
   bool goes_on = false;         ///< the participant has a session that was interrupted
+  std::string goes_on_with;     ///< which one, in words for the experimenter; empty where none
 
   const StudyFolder& folder() const { return inputs.folder; }
 };

@@ -111,5 +111,19 @@ TEST(SessionOutcome, TellsWhatBrokeOffTheLastSittingUntilTheSessionGoesOn) {
   EXPECT_EQ(interruption({"interrupt", "resume", "interrupt"}), "why interrupt");
 }
 
+TEST(DescribeUnfinished, TellsWhichSessionHowFarAndWhetherItWasEnded) {
+  SessionRow row = make_fake_session(4);
+  row.id = 7;
+  std::vector<TrialRow> trials = make_fake_trials(3);
+  trials[0].answer = Side::kLeft;
+  std::vector<EventRow> events;
+  EXPECT_EQ(describe_unfinished(row, trials, events),
+            "Goes on with session 7, begun 2026-01-31T12:00:00.000Z: 1 of 3 answered. Consent and questions "
+            "are not asked again.");
+  events.push_back({std::nullopt, "abort", 1, "", "felt sick"});
+  EXPECT_THAT(describe_unfinished(row, trials, events),
+              testing::HasSubstr("answered, ended early (felt sick)."));
+}
+
 }  // namespace
 }  // namespace equilux

@@ -54,6 +54,20 @@ TEST(StartFormTest, EachFieldThatIsMissingIsNamed) {
   EXPECT_THAT(error_of(params), testing::HasSubstr("Study folder"));
 }
 
+// Where the bar is first says nothing of this screen.
+TEST(SetupFormTest, ACardCountsOnceTheBarWasMatchedToIt) {
+  SetupForm form = make_setup_form(0);
+  switch_card(form);
+  EXPECT_GT(form.card_px, 0);
+  EXPECT_EQ(read_setup_form(form).card_px, 0);
+  form.was_card_matched = true;
+  EXPECT_EQ(read_setup_form(form).card_px, form.card_px);
+  switch_card(form);
+  EXPECT_EQ(form.card_px, 0);
+  switch_card(form);
+  EXPECT_EQ(read_setup_form(form).card_px, 0);
+}
+
 SetupForm typed(const char* diagonal, const char* distance) {
   SetupForm form = make_setup_form(0);
   std::snprintf(form.diagonal_inches.data(), form.diagonal_inches.size(), "%s", diagonal);
