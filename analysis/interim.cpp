@@ -26,7 +26,7 @@ InterimFindings load_interim(const StudyFolder& folder, const Study& study, Subj
   std::optional<Selection> selection;
   if (path_exists(folder.selection(kind))) selection = load_selection(folder.selection(kind), study);
   Tally artifact = tally_answers({}, study), material = artifact;
-  if (path_exists(folder.responses())) {
+  if (TrialLog::is_at(folder.responses())) {
     const TrialLog log = TrialLog::load_snapshot(folder.responses());
     const auto sessions = log.load_sessions();
     const std::string source = folder.responses().string();

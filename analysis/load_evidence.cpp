@@ -1,6 +1,8 @@
 // The one file of analysis that opens the log.
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "analysis/evidence.h"
 #include "base/error.h"
@@ -12,7 +14,8 @@ namespace {
 struct LogReading {
   const TrialLog& log;
   std::vector<SessionRow> sessions;
-  SessionProtocol protocol;  ///< of the folder now
+  std::map<std::int64_t, std::vector<TrialRow>> trials;  ///< by session
+  SessionProtocol protocol;                              ///< of the folder now
   std::string source;
 };
 
@@ -43,12 +46,12 @@ void append_answers(ExperimentEvidence& evidence, const SessionRow& session,
 }
 
 // Each trial is read once.
-ExperimentEvidence load_experiment(const LogReading& reading, SubjectKind kind, Experiment experiment,
+ExperimentEvidence load_experiment(LogReading& reading, SubjectKind kind, Experiment experiment,
                                    const Study& study) {
   ExperimentEvidence evidence = gather_sessions(reading.sessions, kind, experiment, study, reading.source);
   for (const SessionRow& session : reading.sessions) {
     if (session.kind != kind || session.experiment != experiment) continue;
-    const auto trials = reading.log.load_brief_trials(session.id);
+    const auto trials = std::exchange(reading.trials[session.id], {});
     if (evidence.answers.empty()) evidence.answers.reserve(trials.size() * evidence.finished.size());
     if (session.complete) append_answers(evidence, session, trials);
     evidence.summaries.push_back(summarise(reading, session, trials));
@@ -60,8 +63,8 @@ ExperimentEvidence load_experiment(const LogReading& reading, SubjectKind kind, 
 // A log as it stands in a folder.
 struct FolderLog {
   explicit FolderLog(const StudyFolder& folder)
-      : log(TrialLog::load_snapshot(check_is_there(folder))),
-        reading{log, log.load_sessions(), load_session_protocol(folder.session()),
+      : log(TrialLog::load_snapshot(check_is_there(folder), LogCheck::kTables)),
+        reading{log, log.load_sessions(), log.load_brief_trials(), load_session_protocol(folder.session()),
                 folder.responses().string()} {}
 
   static std::filesystem::path check_is_there(const StudyFolder& folder) {
@@ -70,7 +73,8 @@ struct FolderLog {
     return folder.responses();
   }
 
-  Evidence load(const Study& study, SubjectKind kind) const {
+  /// Once: what is counted is taken out of the reading.
+  Evidence load(const Study& study, SubjectKind kind) {
     Evidence evidence;
     evidence.kind = kind;
     evidence.artifact = load_experiment(reading, kind, Experiment::kArtifact, study);
@@ -87,13 +91,13 @@ struct FolderLog {
 }  // namespace
 
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted) {
-  const FolderLog found(folder);
+  FolderLog found(folder);
   return found.load(study, choose_kind(found.reading.sessions, wanted, found.reading.source));
 }
 
 std::optional<Evidence> find_evidence(const StudyFolder& folder, const Study& study,
                                       std::optional<SubjectKind> wanted) {
-  const FolderLog found(folder);
+  FolderLog found(folder);
   const auto kind = find_kind(found.reading.sessions, wanted, found.reading.source);
   if (!kind) return std::nullopt;
   return found.load(study, *kind);

@@ -30,7 +30,7 @@ int shift_level(const Study& study, int first, int steps) {
 }
 
 void check_not_begun(const StudyFolder& folder) {
-  if (!path_exists(folder.responses())) return;
+  if (!TrialLog::is_at(folder.responses())) return;
   for (const SessionRow& row : TrialLog::load_snapshot(folder.responses()).load_sessions()) {
     if (row.experiment != Experiment::kArtifact) continue;
     throw InputError(

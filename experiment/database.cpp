@@ -100,7 +100,8 @@ void Database::fail(std::string_view verb) const {
   const int code = handle_ ? sqlite3_errcode(handle()) & 0xff : SQLITE_NOMEM;
   const std::string message = handle_ ? sqlite3_errmsg(handle()) : "out of memory";
   if (!vouched_ && (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)) {
-    throw InputError(name(), "", "a whole log of responses (SQLite)", message);
+    throw InputError(name(), "", "a whole log of responses (SQLite)",
+                     message + "; keep this file as it is, and go on with a copy from before");
   }
   fail_store(fmt::format("cannot {}: {}{}", verb, message, explain_code(code)));
 }

@@ -2,6 +2,7 @@
 #include "experiment/intake.h"
 
 #include <algorithm>
+#include <cctype>
 #include <random>
 #include <string_view>
 
@@ -92,6 +93,18 @@ std::string draw_code(const std::vector<std::string>& taken) {
     while (code.size() < kCodeLength) code += kCodeLetters[letter(entropy)];
   } while (std::find(taken.begin(), taken.end(), code) != taken.end());
   return code;
+}
+
+bool is_same_but_for_case(const std::string& code, const std::string& other) {
+  return std::equal(code.begin(), code.end(), other.begin(), other.end(),
+                    [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+}
+
+std::vector<std::string> list_spellings(const std::string& code) {
+  std::string small = code, capital = code;
+  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (char& c : capital) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return {code, small, capital};
 }
 
 }  // namespace equilux

@@ -43,4 +43,9 @@ std::map<std::string, std::string> find_fields(const Intake& intake, const Sessi
 /// `taken`. From the system's entropy, so that it tells nothing of anybody.
 std::string draw_code(const std::vector<std::string>& taken);
 
+/// Codes of one person, or a slip of the keyboard: files named by them would be one on some systems.
+bool is_same_but_for_case(const std::string& code, const std::string& other);
+/// The code in small and in capital letters. shape: itself first
+std::vector<std::string> list_spellings(const std::string& code);
+
 }  // namespace equilux

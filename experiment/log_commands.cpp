@@ -30,7 +30,7 @@ struct ExportOptions {
 };
 
 struct WithdrawOptions {
-  std::string folder;
+  std::string log;
   std::string code;
   bool yes = false;
 };
@@ -100,20 +100,20 @@ void confirm(const std::string& what, const std::string& word) {
     throw InputError("confirmation", "", word, fmt::format("\"{}\"; nothing was erased", typed));
 }
 
-int withdraw(const WithdrawOptions& options) {
-  const StudyFolder folder{options.folder};
-  const Withdrawal withdrawal = plan_withdrawal(folder.responses(), options.code);
-  fmt::print("{}", format_withdrawal(withdrawal));
-  std::fflush(stdout);
-  if (!options.yes) confirm("", options.code);
-  withdraw_participant(folder.responses(), options.code);
-  fmt::print("{} is erased from {}.\n", options.code, folder.responses().string());
-  return kExitOk;
-}
-
 // A study folder stands for its log.
 fs::path log_of(const std::string& name) {
   return fs::is_directory(name) ? StudyFolder{name}.responses() : fs::path(name);
+}
+
+int withdraw(const WithdrawOptions& options) {
+  const fs::path log = log_of(options.log);
+  const Withdrawal withdrawal = plan_withdrawal(log, options.code);
+  fmt::print("{}", format_withdrawal(withdrawal));
+  std::fflush(stdout);
+  if (!options.yes) confirm("", options.code);
+  withdraw_participant(log, options.code);
+  fmt::print("{} is erased from {}.\n", options.code, log.string());
+  return kExitOk;
 }
 
 int merge(const MergeOptions& options) {
@@ -153,8 +153,11 @@ void add_export(CLI::App& app, ExportOptions& options) {
 }
 
 void add_withdraw(CLI::App& app, WithdrawOptions& options) {
-  CLI::App* command = add_command(app, "withdraw", "Erases a participant's answers for good", options.folder,
-                                  "withdraw studies/pocket P01");
+  CLI::App* command = app.add_subcommand("withdraw", "Erases a participant's answers for good");
+  command->add_option("log", options.log, "Study folder, or a log by itself, such as one that was archived")
+      ->required()
+      ->type_name("DIR|FILE");
+  command->footer("Example: equilux-session withdraw studies/pocket P01");
   command->add_option("code", options.code, "Code of the participant")->required()->type_name("CODE");
   command->add_flag("--yes", options.yes, "Do not ask");
 }

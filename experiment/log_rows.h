@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +29,8 @@ std::optional<Tombstone> find_tombstone(const std::vector<Tombstone>& tombstones
 std::string load_station(const Database& database);
 std::vector<SessionRow> load_sessions(const Database& database);
 std::vector<TrialRow> load_trials(const Database& database, std::int64_t session);
-/// Without keys of pictures and time of day.
-std::vector<TrialRow> load_brief_trials(const Database& database, std::int64_t session, CellReader& cells);
+/// Of all sessions, see TrialLog::load_brief_trials.
+std::map<std::int64_t, std::vector<TrialRow>> load_brief_trials(const Database& database, CellReader& cells);
 std::vector<EventRow> load_events(const Database& database, std::int64_t session);
 std::vector<Tombstone> load_tombstones(const Database& database);
 std::vector<ExportRow> load_exports(const Database& database);  ///< each path of a station once, sorted

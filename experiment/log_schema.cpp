@@ -14,7 +14,6 @@
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "experiment/trial_log.h"
 
 namespace equilux {
 
@@ -26,6 +25,9 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kApplicationId = 0x45514C58;  // "EQLX"
 constexpr std::size_t kIdentityDigits = 32;
 constexpr const char* kPartSuffix = ".part";
+constexpr const char* kDamageAdvice = "keep this file as it is, and go on with a copy from before";
+// No log of any schema is as small; whether a larger file is one need not be asked of SQLite.
+constexpr std::uintmax_t kLargestEmpty = 65536;
 constexpr const char* kInMemory = ":memory:";  // SQLite's name for no file
 
 fs::path folder_of(const fs::path& path) {
@@ -53,11 +55,16 @@ void make_tables(const Database& database) {
   transaction.commit();
 }
 
+[[noreturn]] void refuse_damaged(const Database& database, const std::string& what) {
+  throw InputError(database.name(), "", "a whole log of responses",
+                   fmt::format("{}; {}", what, kDamageAdvice));
+}
+
 void check_is_log(const Database& database) {
   const std::int64_t application = load_integer(database, "PRAGMA application_id");
   if (application != kApplicationId) {
-    throw InputError(database.name(), "PRAGMA application_id", fmt::format("{}, a log's", kApplicationId),
-                     fmt::format("{}", application));
+    throw InputError(database.name(), "PRAGMA application_id", "a log of responses",
+                     fmt::format("a database of another program, {}", application));
   }
   const std::int64_t version = load_integer(database, "PRAGMA user_version");
   if (version < 1 || version > kLogSchemaVersion) {
@@ -68,11 +75,16 @@ void check_is_log(const Database& database) {
   }
 }
 
-void check_is_whole(const Database& database) {
-  Statement statement(database, "PRAGMA quick_check(1)");
+// Rows are read through indexes too, so that one that lacks an entry would hide an answer.
+void check_is_whole(const Database& database, LogCheck check) {
+  Statement statement(database,
+                      check == LogCheck::kWhole ? "PRAGMA integrity_check(1)" : "PRAGMA quick_check(1)");
   std::string result = statement.step() ? statement.text(0) : "nothing";
   std::replace(result.begin(), result.end(), '\n', ' ');
-  if (result != "ok") throw InputError(database.name(), "", "a whole log of responses", result);
+  if (result != "ok") refuse_damaged(database, result);
+  // Of other tables the rows refer to is what their indexes hold.
+  if (Statement(database, "PRAGMA foreign_key_check(session)").step())
+    refuse_damaged(database, "a session whose participant is not there");
 }
 
 // The WAL's index is shared memory, which other machines do not see. source: sqlite.org/wal.html
@@ -197,7 +209,7 @@ void prepare(Database& database, bool create) {
   if (!empty || !create) {
     if (empty) throw InputError(database.name(), "", "a log of responses", "an empty file");
     check_is_log(database);
-    check_is_whole(database);
+    check_is_whole(database, LogCheck::kWhole);
   }
   check_file_system(database);
   require_setting(database, "journal_mode", "WAL", "wal");
@@ -218,9 +230,7 @@ void check_exists(const fs::path& path, bool create) {
     throw InputError(path.string(), "", "a log of responses", "nothing of that name");
 }
 
-// A log that was copied or restored may have become everybody's to read. Of a group that may write it too it
-// is meant to be.
-void keep_out_others(const fs::path& path) {
+void keep_out_of_file(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || status.st_uid != ::geteuid()) return;
   const bool is_shared = (status.st_mode & S_IWGRP) != 0;
@@ -228,10 +238,24 @@ void keep_out_others(const fs::path& path) {
   if (kept != (status.st_mode & 0777)) ::chmod(path.c_str(), kept);
 }
 
-// For its owner alone; SQLite gives the WAL and its index the same permissions.
-void make_private(const fs::path& path) {
+// A log that was copied or restored may have become everybody's to read, with its WAL. Of a group that may
+// write it too it is meant to be.
+void keep_out_others(const fs::path& path) {
+  for (const char* suffix : {"", kWalSuffix, kWalIndexSuffix}) keep_out_of_file(path.string() + suffix);
+  for (const fs::path& copy : find_beside(path, path.extension().string())) keep_out_of_file(copy);
+}
+
+// For its owner alone; SQLite gives the WAL and its index the same permissions. False where it is there.
+bool make_private(const fs::path& path) {
   const int file = ::open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
   if (file >= 0) ::close(file);
+  return file >= 0;
+}
+
+// One into which nothing could be written.
+void remove_log(const fs::path& path) {
+  std::error_code none;
+  for (const char* suffix : {"", kWalSuffix, kWalIndexSuffix}) fs::remove(path.string() + suffix, none);
 }
 
 // A reader makes the WAL's index where there is none, if it can.
@@ -250,29 +274,47 @@ std::string draw_identity() {
   return digits;
 }
 
+bool has_log(const fs::path& path) {
+  std::error_code none;
+  const auto size = fs::file_size(path, none);
+  if (none) return fs::exists(path);
+  if (size > kLargestEmpty) return true;
+  try {
+    return !is_empty(Database(path, choose_reading(path)));
+  } catch (const std::exception&) {
+    return true;  // what it is instead is told by who opens it
+  }
+}
+
 Database open_log(const fs::path& path, bool create) {
   check_exists(path, create);
-  if (create && path != kInMemory) make_private(path);
+  const bool is_new = create && path != kInMemory && make_private(path);
   if (path != kInMemory) keep_out_others(path);
-  Database database(path, create ? OpenMode::kCreate : OpenMode::kWrite);
-  prepare(database, create);
-  return database;
+  try {
+    Database database(path, create ? OpenMode::kCreate : OpenMode::kWrite);
+    prepare(database, create);
+    return database;
+  } catch (...) {
+    if (is_new && !has_log(path)) remove_log(path);
+    throw;
+  }
 }
 
 Database open_log_alone(const fs::path& path) {
   check_exists(path, false);
+  keep_out_others(path);
   Database database(path, OpenMode::kAlone);
   prepare(database, false);
   return database;
 }
 
-Database open_log_snapshot(const fs::path& path) {
+Database open_log_snapshot(const fs::path& path, LogCheck check) {
   check_exists(path, false);
   Database database(path, OpenMode::kMemory);
   copy_database(Database(path, choose_reading(path)), database);
   if (is_empty(database)) throw InputError(database.name(), "", "a log of responses", "an empty file");
   check_is_log(database);
-  check_is_whole(database);
+  check_is_whole(database, check);
   if (load_version(database) < kLogSchemaVersion) migrate(database);
   require_setting(database, "foreign_keys", "ON", "1");
   database.vouch();

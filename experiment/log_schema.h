@@ -6,8 +6,13 @@
 #include <vector>
 
 #include "experiment/database.h"
+#include "experiment/trial_log.h"
 
 namespace equilux {
+
+/// Whether a file of this name is there, unless its maker was stopped before the first transaction: then
+/// nothing was ever recorded in it, and open_log makes it.
+bool has_log(const std::filesystem::path& path);
 
 /// Opens a log to be written, or makes it where `create`, for its owner's eyes alone. One of an older schema
 /// is brought up to this one; a copy of it as it was stays beside it, see kept_copies. errors: InputError for
@@ -22,7 +27,7 @@ Database open_log_alone(const std::filesystem::path& path);
 /// The log as its last commit left it, in memory, of this schema: nothing beside the file is touched, also
 /// where it is being written, its folder is read-only, or a WAL was left (whose index a reader may
 /// make). errors: as open_log
-Database open_log_snapshot(const std::filesystem::path& path);
+Database open_log_snapshot(const std::filesystem::path& path, LogCheck check = LogCheck::kWhole);
 
 /// Copies that open_log has kept beside a log before it brought it up to a newer schema, sorted.
 std::vector<std::filesystem::path> find_kept_copies(const std::filesystem::path& path);

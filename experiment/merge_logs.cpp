@@ -72,7 +72,7 @@ LogContent load_content(const Database& database, const std::string& source) {
 MergePlan plan_merge(const fs::path& log, const std::vector<fs::path>& others,
                      const std::string& study_digest) {
   const LogContent ours =
-      fs::exists(log) ? load_content(open_log_snapshot(log), log.string()) : LogContent{log.string(), {}, {}};
+      has_log(log) ? load_content(open_log_snapshot(log), log.string()) : LogContent{log.string(), {}, {}};
   return plan_merge(ours, load_others(others), study_digest);
 }
 
@@ -86,7 +86,7 @@ void check_no_conflict(const MergePlan& plan, const fs::path& log) {
 MergePlan merge_logs(const fs::path& log, const std::vector<fs::path>& others,
                      const std::string& study_digest) {
   const std::vector<LogContent> theirs = load_others(others);
-  if (!fs::exists(log)) {
+  if (!has_log(log)) {
     const MergePlan plan = plan_merge(LogContent{log.string(), {}, {}}, theirs, study_digest);
     check_no_conflict(plan, log);
     if (is_empty(plan)) return plan;

@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/program.h"
 #include "base/version.h"
+#include "experiment/intake.h"
 #include "experiment/schedule.h"
 #include "protocols/truth.h"
 #include "protocols/windows.h"
@@ -148,11 +149,6 @@ void check_may_resume(const SessionInputs& inputs, const SessionRow& row, const 
   }
 }
 
-bool is_same_but_for_case(const std::string& a, const std::string& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](unsigned char x, unsigned char y) { return std::tolower(x) == std::tolower(y); });
-}
-
 // Of a participant of whom the log has no session: a slip of the keyboard must not begin another person.
 void check_new_code(const SessionInputs& inputs, const std::vector<SessionRow>& sessions,
                     const std::string& code) {
@@ -199,7 +195,7 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
 }  // namespace
 
 std::optional<TrialLog> find_log(const StudyFolder& folder) {
-  if (!fs::exists(folder.responses())) return std::nullopt;
+  if (!TrialLog::is_at(folder.responses())) return std::nullopt;
   return TrialLog(folder.responses(), true);
 }
 

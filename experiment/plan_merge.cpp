@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "experiment/intake.h"
 #include "experiment/merge_logs.h"
 
 namespace equilux {
@@ -145,6 +146,14 @@ class Planner {
     bool compared = false;
     for (const Held& held : held_) {
       const SessionRow& other = held.session.row;
+      if (other.participant != session.row.participant &&
+          is_same_but_for_case(other.participant, session.row.participant)) {
+        conflict(session, source,
+                 fmt::format("{} has {}: codes that differ in nothing but the case of letters are one "
+                             "person's or a slip, which a merged log could not tell",
+                             held.source, other.participant));
+        return;
+      }
       if (other.kind != session.row.kind || other.experiment != session.row.experiment) continue;
       if (!compared) check_digests(session, source, held);
       compared = true;

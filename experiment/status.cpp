@@ -54,7 +54,7 @@ std::string format_next(const TrialLog& log, const std::vector<SessionRow>& sess
 
 std::string format_status(const StudyFolder& folder) {
   load_folder_study(folder);
-  if (!std::filesystem::exists(folder.responses())) return kNoSessions;
+  if (!TrialLog::is_at(folder.responses())) return kNoSessions;
   const TrialLog log = TrialLog::load_snapshot(folder.responses());
   const auto sessions = log.load_sessions();
   const auto withdrawn = log.count_withdrawn();

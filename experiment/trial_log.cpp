@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/program.h"
 #include "experiment/database.h"
+#include "experiment/intake.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
 
@@ -24,9 +25,12 @@ void insert_event_now(const Database& database, std::int64_t session, std::optio
 }
 
 void check_not_withdrawn(const Database& database, const std::string& code) {
-  if (const auto tombstone = find_tombstone(load_tombstones(database), code)) {
+  const std::vector<Tombstone> tombstones = load_tombstones(database);
+  for (const std::string& spelling : list_spellings(code)) {
+    const auto tombstone = find_tombstone(tombstones, spelling);
+    if (!tombstone) continue;
     throw InputError(database.name(), "participant/code", "the code of somebody who has not withdrawn",
-                     fmt::format("{}, withdrawn on {}", code, tombstone->withdrawn_utc.substr(0, 10)));
+                     fmt::format("{}, withdrawn on {}", spelling, tombstone->withdrawn_utc.substr(0, 10)));
   }
 }
 
@@ -78,8 +82,10 @@ TrialLog::TrialLog(const fs::path& path, bool create)
     : impl_(std::make_unique<Impl>(Impl{open_log(path, create)})) {}
 TrialLog::TrialLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-TrialLog TrialLog::load_snapshot(const fs::path& path) {
-  return TrialLog(std::make_unique<Impl>(Impl{open_log_snapshot(path)}));
+bool TrialLog::is_at(const fs::path& path) { return has_log(path); }
+
+TrialLog TrialLog::load_snapshot(const fs::path& path, LogCheck check) {
+  return TrialLog(std::make_unique<Impl>(Impl{open_log_snapshot(path, check)}));
 }
 
 TrialLog::~TrialLog() = default;
@@ -105,8 +111,8 @@ std::vector<TrialRow> TrialLog::load_trials(std::int64_t session) const {
   return equilux::load_trials(impl_->database, session);
 }
 
-std::vector<TrialRow> TrialLog::load_brief_trials(std::int64_t session) const {
-  return equilux::load_brief_trials(impl_->database, session, impl_->cells);
+std::map<std::int64_t, std::vector<TrialRow>> TrialLog::load_brief_trials() const {
+  return equilux::load_brief_trials(impl_->database, impl_->cells);
 }
 
 std::vector<EventRow> TrialLog::load_events(std::int64_t session) const {

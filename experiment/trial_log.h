@@ -120,6 +120,13 @@ struct Lane {
   bool operator==(const Lane&) const = default;
 };
 
+/// How well a snapshot is looked at before anything is read.
+enum class LogCheck {
+  kWhole,   ///< tables and indexes
+  kTables,  ///< in half the time, for who asks for sessions, events and load_brief_trials, which go by no
+            ///< index
+};
+
 /// The log. One committed transaction for each change; a database that cannot be written throws StoreError.
 class TrialLog {
  public:
@@ -127,9 +134,11 @@ class TrialLog {
   /// InputError for a file that is no log, has a newer schema, or is missing and not to be made; StoreError
   /// where WAL cannot work.
   explicit TrialLog(const std::filesystem::path& path, bool create = false);
+  /// Whether there is one, see has_log.
+  static bool is_at(const std::filesystem::path& path);
   /// The log as its last commit left it, in memory: the file and what stands beside it are not touched.
   /// errors: as above
-  static TrialLog load_snapshot(const std::filesystem::path& path);
+  static TrialLog load_snapshot(const std::filesystem::path& path, LogCheck check = LogCheck::kWhole);
   ~TrialLog();
   TrialLog(TrialLog&&) noexcept;
   TrialLog& operator=(TrialLog&&) noexcept;
@@ -141,9 +150,10 @@ class TrialLog {
 
   std::vector<SessionRow> load_sessions() const;
   std::vector<TrialRow> load_trials(std::int64_t session) const;
-  /// As load_trials, but without the pictures' names, of which only the view of the test picture stays ("v0"
-  /// as `test_key`), and without the time of day: what answers are counted by, in a third of the time.
-  std::vector<TrialRow> load_brief_trials(std::int64_t session) const;
+  /// As load_trials, of all sessions at once, but without the pictures' names, of which only the view of the
+  /// test picture stays ("v0" as `test_key`), and without the time of day: what answers are counted by, in a
+  /// third of the time. shape: by session
+  std::map<std::int64_t, std::vector<TrialRow>> load_brief_trials() const;
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
   std::string load_station() const;                               ///< this log's own
   std::int64_t count_withdrawn() const;                           ///< tombstones

@@ -36,7 +36,7 @@ std::unique_ptr<AppWindow> open_window(const AppParams& params, const Display& d
 std::string draw_free_code(const std::filesystem::path& study_folder) {
   std::vector<std::string> taken;
   const StudyFolder folder{study_folder};
-  if (std::filesystem::exists(folder.responses())) {
+  if (TrialLog::is_at(folder.responses())) {
     const TrialLog log = TrialLog::load_snapshot(folder.responses());
     for (const SessionRow& row : log.load_sessions()) taken.push_back(row.participant);
   }
@@ -46,7 +46,7 @@ std::string draw_free_code(const std::filesystem::path& study_folder) {
 // A person's session that was neither finished nor ended on purpose: the one of these that was seen last.
 std::optional<SessionRow> find_interrupted(const std::filesystem::path& study_folder) {
   const StudyFolder folder{study_folder};
-  if (!std::filesystem::exists(folder.responses())) return std::nullopt;
+  if (!TrialLog::is_at(folder.responses())) return std::nullopt;
   const TrialLog log = TrialLog::load_snapshot(folder.responses());
   std::optional<SessionRow> last;
   std::string last_seen_utc;
@@ -225,8 +225,7 @@ std::optional<PlantedPilot> make_pilot(const AppParams& params, const Workplace&
 std::string name_planted_subject(const AppParams& params) {
   const StudyFolder folder{params.study_folder};
   const std::uint64_t seed = *params.planted_seed;
-  if (!std::filesystem::exists(folder.responses()))
-    return name_planted(seed, find_lane(nullptr, params.lane).first);
+  if (!TrialLog::is_at(folder.responses())) return name_planted(seed, find_lane(nullptr, params.lane).first);
   const TrialLog log = TrialLog::load_snapshot(folder.responses());
   return name_next_planted(
       log, seed,
@@ -254,8 +253,10 @@ int run_app(const AppParams& given) {
   } catch (const std::exception& error) {
     if (seat) record_stop(*seat, error.what());
     // A planted subject has nobody beside it who could read and close the screen.
-    if (!params.planted_seed)
-      show_stop(*window, gui, *work, seat ? find_stop_state(*seat) : StopState::kNotBegun, error.what());
+    if (!params.planted_seed) {
+      const StopState not_seated = work->goes_on ? StopState::kUnfinished : StopState::kNotBegun;
+      show_stop(*window, gui, *work, seat ? find_stop_state(*seat) : not_seated, error.what());
+    }
     throw;
   }
   print_outcome(*work, *seat);

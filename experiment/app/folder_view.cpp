@@ -10,7 +10,7 @@ namespace equilux {
 void read_coverage(const StudyFolder& folder, SubjectKind kind, FolderView& view) {
   view.artifact.clear();
   view.material.clear();
-  if (!path_exists(folder.responses())) return;
+  if (!TrialLog::is_at(folder.responses())) return;
   const TrialLog log = TrialLog::load_snapshot(folder.responses());
   view.artifact = tally_coverage(log.load_answers(kind, Experiment::kArtifact));
   view.material = tally_coverage(log.load_answers(kind, Experiment::kMaterial));

@@ -5,6 +5,7 @@
 #include "experiment/app/pictures.h"
 #include "experiment/app/screen_facts.h"
 #include "experiment/app/viewing.h"
+#include "experiment/session_outcome.h"
 
 namespace equilux {
 namespace {
@@ -70,7 +71,11 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   SessionInputs inputs = load_session_inputs(folder, log ? &*log : nullptr, request);
   check_pictures(folder, manifest, enumerate_session_keys(inputs));
   if (!log && request.kind == SubjectKind::kPerson) check_code(request.participant, folder.root.string());
-  const bool goes_on = log && find_unfinished_session(inputs, *log, request);
+  const auto unfinished = log ? find_unfinished_session(inputs, *log, request) : std::nullopt;
+  const std::string goes_on_with = unfinished
+                                       ? describe_unfinished(*unfinished, log->load_trials(unfinished->id),
+                                                             log->load_events(unfinished->id))
+                                       : "";
   Texts texts = load_texts(inputs.protocol.language, folder.root);
   Workplace work{std::move(inputs),
                  std::move(manifest),
@@ -81,7 +86,8 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
                  {},
                  {},
                  std::move(log)};
-  work.goes_on = goes_on;
+  work.goes_on = unfinished.has_value();
+  work.goes_on_with = goes_on_with;
   set_up(work, {params.diagonal_m, 0, 0});
   return work;
 }

@@ -90,6 +90,14 @@ class Merge : public ::testing::Test {
            second_ = folder_.path() / "second.sqlite";
 };
 
+TEST_F(Merge, RefusesCodesThatDifferInTheCaseOfLettersAlone) {
+  add(ours_, "P01", 0);
+  add(first_, "p01", 1);
+  EXPECT_THAT(conflict_with({first_}), AllOf(HasSubstr("p01"), HasSubstr("ours.sqlite has P01")));
+  add(second_, "P01b", 1);
+  EXPECT_EQ(merge({second_}).added.size(), 1u);
+}
+
 TEST_F(Merge, TakesInTheSessionsOfTwoStationsWhole) {
   add(ours_, "A", 0);
   add(first_, "B", 1);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/files.h"
+#include "experiment/database.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
 #include "tests/experiment/raw_database.h"
@@ -67,10 +69,83 @@ TEST_F(TrialLogFailure, AnEmptyFileIsNoLogButMayBecomeOne) {
   EXPECT_NO_THROW(TrialLog(path_, true));
 }
 
+// Its maker was stopped after the file was there and before the first transaction.
+TEST_F(TrialLogFailure, AFileOfNobodyIsNoLogYet) {
+  EXPECT_FALSE(TrialLog::is_at(path_));
+  save_text(path_, "");
+  EXPECT_FALSE(TrialLog::is_at(path_));
+  RawDatabase(path_).query("PRAGMA journal_mode = WAL");
+  EXPECT_GT(fs::file_size(path_), 0u);
+  EXPECT_FALSE(TrialLog::is_at(path_));
+  make_log(1);
+  EXPECT_TRUE(TrialLog::is_at(path_));
+}
+
+TEST_F(TrialLogFailure, WhatIsNoLogIsLeftToBeRefused) {
+  save_text(path_, "not a log");
+  EXPECT_TRUE(TrialLog::is_at(path_));
+  fs::remove(path_);
+  RawDatabase(path_).query("CREATE TABLE bookmarks (address TEXT)");
+  EXPECT_TRUE(TrialLog::is_at(path_));
+}
+
+TEST_F(TrialLogFailure, WhereTheDiskIsFullAtTheStartNoFileStaysBehind) {
+  {
+    const FileSizeLimit full(0);
+    expect_open_error<StoreError>("responses.sqlite", {true});
+  }
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+  EXPECT_NO_THROW(make_log(1));
+}
+
+// One bit at a time: every log that still opens has all of its trials. An index that lacks a row would hide
+// it, since rows are read through it.
+TEST_F(TrialLogFailure, ADamagedFileNeverHidesATrial) {
+  for (const std::int64_t index : {0, 1, 2}) {
+    TrialLog log(path_, true);
+    log.append_session(make_fake_session(index), make_fake_trials(40));
+  }
+  const std::string whole = load_text(path_);
+  int refused = 0, opened = 0;
+  for (std::size_t at = 101; at < whole.size(); at += 37) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << at % 8));
+    save_text(path_, damaged);
+    try {
+      const auto counted = TrialLog::load_snapshot(path_, LogCheck::kTables).load_brief_trials();
+      ASSERT_EQ(counted.size(), 3u) << at;
+      for (const auto& [session, trials] : counted) ASSERT_EQ(trials.size(), 40u) << at;
+      const TrialLog log = TrialLog::load_snapshot(path_);
+      const auto sessions = log.load_sessions();
+      ASSERT_EQ(sessions.size(), 3u) << at;
+      for (const SessionRow& row : sessions) ASSERT_EQ(log.load_trials(row.id).size(), 40u) << at;
+      ++opened;
+    } catch (const std::runtime_error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 50);
+  EXPECT_GT(opened, 50) << "of free space and of texts";
+}
+
+TEST_F(TrialLogFailure, AWalThatCameWithACopyIsNotEverybodysToRead) {
+  const fs::path copy = folder_.path() / "copy.sqlite", wal = copy.string() + kWalSuffix;
+  {
+    const TrialLog log(path_, true);
+    TrialLog(path_).append_session(make_fake_session(), make_fake_trials(5));
+    fs::copy_file(path_, copy);
+    fs::copy_file(path_.string() + kWalSuffix, wal);
+  }
+  for (const fs::path& file : {copy, wal}) fs::permissions(file, fs::perms{0644});
+  const TrialLog log(copy);
+  EXPECT_EQ(log.load_sessions().size(), 1u);
+  for (const fs::path& file : {copy, wal}) EXPECT_EQ(fs::status(file).permissions(), fs::perms{0600}) << file;
+}
+
 TEST_F(TrialLogFailure, AnotherProgramsDatabaseIsLeftAlone) {
   RawDatabase(path_).query("CREATE TABLE bookmarks (address TEXT)");
   const std::string digest = digest_file(path_);
-  expect_open_error<InputError>("application_id");
+  expect_open_error<InputError>("a database of another program");
   EXPECT_EQ(digest_file(path_), digest);
 }
 

@@ -330,7 +330,7 @@ TEST_F(TrialLogTest, BriefTrialsAreTrialsWithoutNamesButViewsAndWithoutTimesOfDa
     trial.pair_key = trial.upper_key = "";
     trial.answered_utc.reset();
   }
-  EXPECT_EQ(log.load_brief_trials(session), whole);
+  EXPECT_EQ(log.load_brief_trials().at(session), whole);
 }
 
 TEST_F(TrialLogTest, MovesWithItsConnection) {

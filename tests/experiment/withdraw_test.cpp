@@ -264,5 +264,34 @@ TEST_F(Withdraw, AsksBeforeItErases) {
   EXPECT_THAT(format_status(folder_), AllOf(HasSubstr("Withdrawn participants: 1."), Not(HasSubstr(kCode))));
 }
 
+// A log that was archived, without its study folder: what a merge asks for.
+TEST_F(Withdraw, TakesALogByItself) {
+  make_log(2);
+  const fs::path archived = folder_.root / "archived" / "station1-2026.sqlite";
+  fs::create_directory(archived.parent_path());
+  fs::copy_file(path_, archived);
+  const ChildResult done = run_session_program({"withdraw", archived.string(), kCode, "--yes"});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(TrialLog(archived).load_sessions().size(), 4u);
+  EXPECT_EQ(TrialLog(path_).load_sessions().size(), 6u) << "another log";
+}
+
+TEST_F(Withdraw, TheCodeInOtherLettersIsRefusedToo) {
+  make_log(2);
+  SessionRow row = make_fake_session(9);
+  {
+    TrialLog log(path_);
+    row.participant = "Q7-CDF";
+    log.append_session(row, make_fake_trials(2));
+  }
+  withdraw_participant(path_, "Q7-CDF");
+  TrialLog log(path_);
+  row.participant = "q7-cdf";
+  EXPECT_THAT(message_of<InputError>([&] { log.append_session(row, make_fake_trials(2)); }),
+              HasSubstr("Q7-CDF, withdrawn on"));
+  row.participant = "Q7-CDG";
+  EXPECT_NO_THROW(log.append_session(row, make_fake_trials(2)));
+}
+
 }  // namespace
 }  // namespace equilux
