@@ -81,6 +81,9 @@ constexpr DictionaryEntry kDictionary[] = {
      "level is free of artifacts, so that EE is false"},
     {"ee.csv", "posterior_paper", "number",
      "posterior probability of EE: each cell's proportion drawn from its posterior, then the rule"},
+    {"ee.csv", "posterior_above_half_paper", "number",
+     "the same with Jeffreys' prior cut off below one half, where no proportion correct can lie: each cell's "
+     "proportion drawn from its posterior on 0.5 to 1"},
     {"ee.csv", "bootstrap_paper", "number", "share of resamples of subjects in which EE is true"},
     {"ee.csv", "flips_paper", "integer",
      "subjects, of both experiments, without any one of whom EE is another; one of both is left out of both"},
@@ -102,6 +105,7 @@ constexpr DictionaryEntry kDictionary[] = {
     {"ee.csv", "free_bootstrap_isotonic", "number", "as free_bootstrap_paper"},
     {"ee.csv", "free_flips_isotonic", "integer", "as free_flips_paper"},
     {"ee.csv", "posterior_isotonic", "number", "as posterior_paper"},
+    {"ee.csv", "posterior_above_half_isotonic", "number", "as posterior_above_half_paper"},
     {"ee.csv", "bootstrap_isotonic", "number", "as bootstrap_paper"},
     {"ee.csv", "flips_isotonic", "integer", "as flips_paper"},
     {"ee.csv", "ee70_isotonic", "string", "as ee70_paper"},

@@ -130,6 +130,7 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
           mark_verdict(finding.under(report.rule)),
           format_green(finding.under(report.rule)),
           format_bounded(under.posterior, under.free_posterior),
+          format_share(under.posterior_above_half),
           format_bounded(under.bootstrap, under.free_bootstrap),
           count_flips(column, report.rule),
           mark_verdict(report.at_other_percents[0][c].under(report.rule)),
@@ -147,13 +148,13 @@ struct Firmness {
   std::size_t firm = 0, assumed = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
 };
 
-constexpr double kFirmShare = 0.95;  ///< of draws, and of resamples, that share a firm verdict
+constexpr double kFirmShare = 0.95;  ///< of draws from either prior, and of resamples, for a firm verdict
 
 bool is_shared(const RuleFinding& finding, const RuleUncertainty& under) {
-  if (!under.posterior || !under.bootstrap) return false;
+  if (!under.posterior || !under.posterior_above_half || !under.bootstrap) return false;
   const bool exists = finding.verdict == Verdict::kExists;
   const auto sure = [&](double share) { return exists ? share >= kFirmShare : share <= 1 - kFirmShare; };
-  return sure(*under.posterior) && sure(*under.bootstrap);
+  return sure(*under.posterior) && sure(*under.posterior_above_half) && sure(*under.bootstrap);
 }
 
 // Verdicts that nineteen of twenty resamples and draws share, and those that a trifle turns.
@@ -257,15 +258,16 @@ std::string format_share(const std::optional<double>& value) {
 std::string format_small(double p) { return p < 0.0001 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
 
 std::string format_uncertainty(const Report& report) {
-  Table table{{"column", "EE", "levels", "posterior", "resampled", "turned by one", "EE at 70 %",
-               "EE at 80 %", "artifact cut", "material cut", "remark"},
+  Table table{{"column", "EE", "levels", "posterior", "cut off at &frac12;", "resampled", "turned by one",
+               "EE at 70 %", "EE at 80 %", "artifact cut", "material cut", "remark"},
               {}};
   for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
   const Firmness sum = count_firm(report, report.rule);
   return fmt::format(
              "<p>Of {} columns with answers in both experiments, {} have a verdict that at least 95&nbsp;% "
-             "of both "
-             "posterior draws and resamples of subjects share{}; in {} leaving out a single subject turns "
+             "of "
+             "posterior draws from either prior and of resamples of subjects share{}; in {} leaving out a "
+             "single subject turns "
              "it, "
              "and in "
              "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. EE is found in {} columns, of "
@@ -284,7 +286,10 @@ std::string format_uncertainty(const Report& report) {
              "drawn "
              "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; levels beyond "
              "the window it takes as the rule does, less clamped ones to have artifacts and more clamped "
-             "ones to be free of them, without doubt. Resampled: share of {} samples of subjects, drawn "
+             "ones to be free of them, without doubt. Cut off at &frac12;: the same with Jeffreys&rsquo; "
+             "prior "
+             "cut off below one half, where no proportion correct can lie. Resampled: share of {} samples of "
+             "subjects, drawn "
              "again with "
              "replacement in "
              "each experiment, in which it exists; the cuts are 95&nbsp;% ranges over them, under paper "
@@ -346,7 +351,8 @@ std::string format_rule_certainty(const Report& report) {
   return fmt::format(
              "<p>How sure a verdict is can depend on the rule; here it does in {} columns. Firm, that is "
              "shared by at "
-             "least 95&nbsp;% of both draws and resamples, are {} of {} verdicts under <i>paper</i> and {} "
+             "least 95&nbsp;% of draws from either prior and of resamples, are {} of {} verdicts under "
+             "<i>paper</i> and {} "
              "of {} under "
              "<i>isotonic</i>. Under <i>paper</i> one level flagged by chance moves the cut; under "
              "<i>isotonic</i> it is "
@@ -399,7 +405,9 @@ std::string format_tracing(const std::vector<Report>& reports) {
       {"resampled shares and cuts, turned by one", "ee.csv, thresholds.csv",
        "answers by subject, streams <code>analysis/bootstrap/EXPERIMENT/STUDY</code> of the seed"},
       {"posterior of EE", "ee.csv",
-       "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed"},
+       "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed; cut off below one "
+       "half, "
+       "also <code>analysis/posterior-above-half/EXPERIMENT/CELL</code>"},
       {"trends", "trends.csv", "verdicts of ee.csv and the resamples"},
       {"dates, screens, answers to questions", "report.json (<code>participation</code>)",
        "<code>SELECT * FROM session LEFT JOIN field ON field.session = session.id WHERE kind = KIND AND "

@@ -84,7 +84,8 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
   Row row{format_uncertainty_status(column.status)};
   for (const Rule rule : kRules) {
     const RuleUncertainty& under = column.under(rule);
-    append(row, {format_number(under.posterior), format_number(under.bootstrap),
+    append(row, {format_number(under.posterior), format_number(under.posterior_above_half),
+                 format_number(under.bootstrap),
                  column.status == UncertaintyStatus::kEstimated
                      ? format_int(std::ssize(under.artifact_flips) + std::ssize(under.material_flips))
                      : ""});
@@ -99,8 +100,8 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
 Table make_ee(const Report& report) {
   Row columns{"uncertainty"};
   for (const Rule rule : kRules) {
-    for (const char* name : {"posterior", "bootstrap", "flips", "ee70", "ee80", "free_posterior",
-                             "free_bootstrap", "free_flips"})
+    for (const char* name : {"posterior", "posterior_above_half", "bootstrap", "flips", "ee70", "ee80",
+                             "free_posterior", "free_bootstrap", "free_flips"})
       columns.push_back(fmt::format("{}_{}", name, format_rule(rule)));
   }
   std::vector<Row> more;

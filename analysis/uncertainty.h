@@ -9,6 +9,7 @@
 
 #include "analysis/equivalence.h"
 #include "analysis/probability.h"
+#include "analysis/resampled.h"
 #include "analysis/response_matrix.h"
 
 namespace equilux {
@@ -44,6 +45,8 @@ enum class UncertaintyStatus {
 /// Under one rule.
 struct RuleUncertainty {
   std::optional<double> posterior;  ///< probability of EE, the cells' proportions drawn from their posteriors
+  /// The same with Jeffreys' prior cut off below one half, where no proportion correct can lie.
+  std::optional<double> posterior_above_half;
   std::optional<double> bootstrap;  ///< share of resamples in which EE is true
   std::optional<CutRange> artifact_cut;
   std::optional<CutRange> material_cut;
@@ -66,13 +69,6 @@ struct ColumnUncertainty {
   const RuleUncertainty& under(Rule rule) const { return by_rule[static_cast<std::size_t>(rule)]; }
 };
 
-/// EE of a column in a resample.
-enum class Resampled : std::uint8_t {
-  kNone,  ///< also where no level is free of artifacts, whatever the material answers
-  kExists,
-  kUntested  ///< a level may be free of artifacts, and nobody was asked about the material
-};
-
 struct Uncertainty {
   std::vector<ColumnUncertainty> columns;  ///< one for each finding, in its order
   /// EE of every resample, for what is computed over columns. shape: by rule in order of kRules; resamples x
@@ -89,9 +85,6 @@ struct Uncertainty {
 Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
                              const ResponseMatrix& artifact, const ResponseMatrix& material,
                              const UncertaintyParams& params);
-
-/// True iff some level is free of artifacts and of the same material.
-bool is_any_equivalent(const Threshold& artifact, const Threshold& material);
 
 std::string format_uncertainty_status(UncertaintyStatus status);
 

@@ -2,6 +2,7 @@
 #include "analysis/uncertainty.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/beta.hpp>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -128,12 +129,13 @@ TEST(Posterior, of_long_pools_stays_on_the_side_of_the_counts) {
 
 // Middles of `kPieces` pieces of a cell's posterior, each as probable.
 constexpr int kPieces = 500;
-std::vector<double> split_posterior(const Count& count) {
+std::vector<double> split_posterior(const Count& count, double lowest = 0) {
   const boost::math::beta_distribution<double> posterior(static_cast<double>(count.k) + 0.5,
                                                          static_cast<double>(count.n - count.k) + 0.5);
   std::vector<double> middles(kPieces);
+  const double below = cdf(posterior, lowest);
   for (int i = 0; i < kPieces; ++i)
-    middles[static_cast<std::size_t>(i)] = quantile(posterior, (i + 0.5) / kPieces);
+    middles[static_cast<std::size_t>(i)] = quantile(posterior, below + (1 - below) * (i + 0.5) / kPieces);
   return middles;
 }
 
@@ -142,9 +144,9 @@ std::vector<double> split_posterior(const Count& count) {
 struct TwoPooled {
   double none = 0, lower = 0, both = 0;
 };
-TwoPooled eval_two_pooled(const Count& lower, const Count& higher) {
+TwoPooled eval_two_pooled(const Count& lower, const Count& higher, double lowest = 0) {
   TwoPooled sum;
-  const auto lows = split_posterior(lower), highs = split_posterior(higher);
+  const auto lows = split_posterior(lower, lowest), highs = split_posterior(higher, lowest);
   const auto a = static_cast<double>(lower.n), b = static_cast<double>(higher.n);
   for (const double low : lows) {
     for (const double high : highs) {
@@ -183,10 +185,45 @@ TEST(Posterior, of_equivalence_is_that_of_pooled_proportions_under_the_rule_isot
                     same = eval_two_pooled(c.material_4, c.material_5);
     const double exact = free.both * (same.lower + same.both) + free.lower * same.both;
     EXPECT_TRUE(exact > 0.05 && exact < 0.95) << "the case would say nothing: " << exact;
-    const auto results = answered.disturb({6, 20000, 1}).front();
-    EXPECT_NEAR(*results.under(Rule::kIsotonic).posterior, exact,
-                4 * std::sqrt(exact * (1 - exact) / 20000) + 0.003);
+    const auto isotonic = answered.disturb({6, 20000, 1}).front().under(Rule::kIsotonic);
+    EXPECT_NEAR(*isotonic.posterior, exact, 4 * std::sqrt(exact * (1 - exact) / 20000) + 0.003);
+    const TwoPooled free_above = eval_two_pooled(c.artifact_5, c.artifact_4, 0.5),
+                    same_above = eval_two_pooled(c.material_4, c.material_5, 0.5);
+    const double above =
+        free_above.both * (same_above.lower + same_above.both) + free_above.lower * same_above.both;
+    EXPECT_NEAR(*isotonic.posterior_above_half, above, 4 * std::sqrt(above * (1 - above) / 20000) + 0.003);
   }
+}
+
+// That a proportion is below the cut, its posterior cut off below one half.
+double eval_below_cut_above_half(const Count& count) {
+  const boost::math::beta_distribution<double> posterior(static_cast<double>(count.k) + 0.5,
+                                                         static_cast<double>(count.n - count.k) + 0.5);
+  return 1 - cdf(complement(posterior, kFlagProportion)) / cdf(complement(posterior, 0.5));
+}
+
+// One cell in each experiment: EE is both below the cut. Few subjects and many, right, wrong and guessing:
+// every way in which draws below one half are replaced. Seed 3, 20,000 draws, four standard errors. The draws
+// from the whole prior stay what they were.
+TEST(Posterior, above_one_half_is_the_truncated_one_in_closed_form) {
+  const std::vector<std::array<int, 4>> cases{{0, 1, 0, 1},   {1, 1, 1, 1},    {0, 2, 1, 2},  {8, 12, 9, 14},
+                                              {1, 4, 2, 4},   {3, 12, 2, 14},  {0, 5, 3, 6},  {5, 14, 1, 12},
+                                              {0, 12, 7, 14}, {0, 3, 0, 800}, {9, 12, 0, 14}};
+  for (const auto& [k_artifact, n_artifact, k_material, n_material] : cases) {
+    const auto result =
+        make_two_cells(k_artifact, n_artifact, k_material, n_material).disturb({3, 20000, 1}).front();
+    const double above = eval_below_cut_above_half({k_artifact, n_artifact}) *
+                         eval_below_cut_above_half({k_material, n_material});
+    const double whole = (1 - *eval_posterior_over({k_artifact, n_artifact})) *
+                         (1 - *eval_posterior_over({k_material, n_material}));
+    const auto error = [](double p) { return 4 * std::sqrt(p * (1 - p) / 20000) + 1e-9; };
+    for (const Rule rule : kRules) {
+      EXPECT_NEAR(*result.under(rule).posterior_above_half, above, error(above)) << k_artifact << k_material;
+      EXPECT_NEAR(*result.under(rule).posterior, whole, error(whole)) << k_artifact << k_material;
+    }
+  }
+  EXPECT_NEAR(eval_below_cut_above_half({0, 1}) * eval_below_cut_above_half({0, 1}), 0.47, 0.005)
+      << "which docs/analysis.md quotes";
 }
 
 // A resample of n subjects of whom k are right is Bin(n, k / n); EE is: neither cell flagged. Seed 4, 20,000
