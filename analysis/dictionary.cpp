@@ -75,10 +75,12 @@ constexpr DictionaryEntry kDictionary[] = {
     {"ee.csv", "green_isotonic", "string", "equivalent levels"},
     {"ee.csv", "supported_isotonic", "string", "as supported_paper"},
     {"ee.csv", "dropped", "boolean", "whether pruning kept no level of this column"},
-    {"ee.csv", "uncertainty", "string",
+    {"ee.csv", "uncertainty_paper", "string",
      "estimated; untested: an experiment has no answers here; one_subject: nobody to draw again; "
      "no_candidates: no "
-     "level is free of artifacts, so that EE is false"},
+     "level is free of artifacts, so that EE is false; dropped: pruning by another rule kept no level, "
+     "under this one levels are free, and nobody was asked about them: EE is untested"},
+    {"ee.csv", "uncertainty_isotonic", "string", "as uncertainty_paper"},
     {"ee.csv", "posterior_paper", "number",
      "posterior probability of EE: each cell's proportion drawn from its posterior, then the rule"},
     {"ee.csv", "posterior_above_half_paper", "number",
@@ -92,7 +94,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "cut would leave it a level"},
     {"ee.csv", "ee80_paper", "string", "the same at 80 %"},
     {"ee.csv", "free_posterior_paper", "number",
-     "of a column with no_candidates: posterior probability, by its artifact answers, that some level is "
+     "of a column with no_candidates or dropped: posterior probability, by its artifact answers, that some "
+     "level is "
      "free "
      "of artifacts; EE, of which nobody was asked there, is no more probable"},
     {"ee.csv", "free_bootstrap_paper", "number",

@@ -93,32 +93,36 @@ std::string format_green(const RuleFinding& finding) {
 }
 
 // Why a column has no numbers of uncertainty, or not all.
-const char* explain_status(UncertaintyStatus status) {
+std::string explain_status(UncertaintyStatus status, Rule rule) {
   switch (status) {
     case UncertaintyStatus::kEstimated:
-      break;
+      return "";
     case UncertaintyStatus::kUntested:
       return "an experiment has no answers here";
     case UncertaintyStatus::kOneSubject:
       return "one subject: nobody to draw again";
     case UncertaintyStatus::kNoCandidates:
       return "no level is left free of artifacts";
+    case UncertaintyStatus::kDropped:
+      break;
   }
-  return "";
+  return fmt::format("dropped by pruning; under {} levels are free, nobody was asked", format_rule(rule));
 }
 
-// The share, or a bound of it, rounded up: that of a level that is free of artifacts where nobody was asked
-// about the material.
-std::string format_bounded(const std::optional<double>& value, const std::optional<double>& bound) {
-  if (value || !bound) return format_share(value);
+// The share, or a bound of it, rounded up: that of a level that is free of artifacts where none was left to
+// ask about.
+std::string format_bounded(const RuleUncertainty& under, const std::optional<double>& value,
+                           const std::optional<double>& bound) {
+  if (value || !bound || under.status != UncertaintyStatus::kNoCandidates) return format_share(value);
   return fmt::format("&le; {:.2f}", std::ceil(*bound * 100) / 100);
 }
 
 // The subject numbers of a column whose leaving out turns the verdict, both experiments.
 std::string count_flips(const ColumnUncertainty& column, Rule rule) {
   const RuleUncertainty& under = column.under(rule);
-  if (under.free_bootstrap) return fmt::format("{}", under.free_flips.size());
-  if (column.status != UncertaintyStatus::kEstimated) return kDash;
+  if (under.status == UncertaintyStatus::kNoCandidates && under.free_bootstrap)
+    return fmt::format("{}", under.free_flips.size());
+  if (under.status != UncertaintyStatus::kEstimated) return kDash;
   return fmt::format("{}", under.artifact_flips.size() + under.material_flips.size());
 }
 
@@ -129,9 +133,9 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
   return {escape_xml(format_key(finding.column)),
           mark_verdict(finding.under(report.rule)),
           format_green(finding.under(report.rule)),
-          format_bounded(under.posterior, under.free_posterior),
+          format_bounded(under, under.posterior, under.free_posterior),
           format_share(under.posterior_above_half),
-          format_bounded(under.bootstrap, under.free_bootstrap),
+          format_bounded(under, under.bootstrap, under.free_bootstrap),
           count_flips(column, report.rule),
           mark_verdict(report.at_other_percents[0][c].under(report.rule)),
           mark_verdict(report.at_other_percents[1][c].under(report.rule)),
@@ -139,7 +143,7 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
                            Experiment::kArtifact, report.study),
           format_cut_range(under.material_cut, finding.material, finding.under(report.rule).material,
                            Experiment::kMaterial, report.study),
-          explain_status(column.status)};
+          explain_status(under.status, report.rule)};
 }
 
 double eval_share_error(double share, int draws) { return std::sqrt(share * (1 - share) / draws); }
@@ -340,8 +344,8 @@ std::string format_rule_certainty(const Report& report) {
       const bool stands = is_shared(finding, under) && !rests_on_untested(report.findings[c], rule);
       firm.insert(stands);
       row.insert(row.end(), {std::string(mark_verdict(finding)) + (stands ? " firm" : ""),
-                             format_bounded(under.posterior, under.free_posterior),
-                             format_bounded(under.bootstrap, under.free_bootstrap)});
+                             format_bounded(under, under.posterior, under.free_posterior),
+                             format_bounded(under, under.bootstrap, under.free_bootstrap)});
     }
     differ += firm.size() > 1 ? 1 : 0;
     table.rows.push_back(std::move(row));

@@ -81,12 +81,12 @@ Table make_thresholds(const Report& report) {
 
 Row uncertainty_fields(const Report& report, std::size_t c) {
   const ColumnUncertainty& column = report.uncertainty.columns[c];
-  Row row{format_uncertainty_status(column.status)};
+  Row row;
   for (const Rule rule : kRules) {
     const RuleUncertainty& under = column.under(rule);
-    append(row, {format_number(under.posterior), format_number(under.posterior_above_half),
-                 format_number(under.bootstrap),
-                 column.status == UncertaintyStatus::kEstimated
+    append(row, {format_uncertainty_status(under.status), format_number(under.posterior),
+                 format_number(under.posterior_above_half), format_number(under.bootstrap),
+                 under.status == UncertaintyStatus::kEstimated
                      ? format_int(std::ssize(under.artifact_flips) + std::ssize(under.material_flips))
                      : ""});
     for (const auto& findings : report.at_other_percents)
@@ -98,10 +98,10 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
 }
 
 Table make_ee(const Report& report) {
-  Row columns{"uncertainty"};
+  Row columns;
   for (const Rule rule : kRules) {
-    for (const char* name : {"posterior", "posterior_above_half", "bootstrap", "flips", "ee70", "ee80",
-                             "free_posterior", "free_bootstrap", "free_flips"})
+    for (const char* name : {"uncertainty", "posterior", "posterior_above_half", "bootstrap", "flips", "ee70",
+                             "ee80", "free_posterior", "free_bootstrap", "free_flips"})
       columns.push_back(fmt::format("{}_{}", name, format_rule(rule)));
   }
   std::vector<Row> more;

@@ -214,6 +214,11 @@ std::array<std::optional<CutRange>, 2> find_ranges(const std::vector<CutHistogra
   return {paper, isotonic};
 }
 
+// Whether only the artifact answers say anything of EE.
+bool is_unasked(UncertaintyStatus status) {
+  return status == UncertaintyStatus::kNoCandidates || status == UncertaintyStatus::kDropped;
+}
+
 void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t artifact,
                std::size_t material, double level) {
   const auto artifact_cuts = find_ranges(sums.artifact, artifact, level);
@@ -221,9 +226,9 @@ void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t 
   for (std::size_t r = 0; r < result.by_rule.size(); ++r) {
     result.by_rule[r].artifact_cut = artifact_cuts[r];
     result.by_rule[r].material_cut = material_cuts[r];
-    if (result.status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
-    if (result.status == UncertaintyStatus::kNoCandidates && artifact > 1)
-      result.by_rule[r].free_bootstrap = sums.free[r].get();
+    const UncertaintyStatus status = result.by_rule[r].status;
+    if (status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
+    if (is_unasked(status) && artifact > 1) result.by_rule[r].free_bootstrap = sums.free[r].get();
   }
 }
 
@@ -288,14 +293,15 @@ void note_flip(RuleUncertainty& under, const Person& person, const ResponseMatri
   }
 }
 
-// Notes whom the column's finding turns without: EE, or, without candidates, whether a level is free.
+// Notes whom the column's finding turns without: EE, or, where nobody was asked, whether a level is free.
 void compare_without(ColumnUncertainty& result, const ColumnSlots& without, const ColumnSlots& whole,
                      const Person& person, const ResponseMatrix& artifact, const ResponseMatrix& material) {
   for (const Rule rule : kRules) {
     RuleUncertainty& under = result.by_rule[static_cast<std::size_t>(rule)];
-    if (result.status == UncertaintyStatus::kEstimated) {
+    if (under.status == UncertaintyStatus::kEstimated) {
       if (is_exists(without, rule) != is_exists(whole, rule)) note_flip(under, person, artifact, material);
-    } else if (person.artifact && is_any_free(without, rule) != is_any_free(whole, rule)) {
+    } else if (is_unasked(under.status) && person.artifact &&
+               is_any_free(without, rule) != is_any_free(whole, rule)) {
       under.free_flips.push_back(artifact.sessions[*person.artifact]);
     }
   }
@@ -310,8 +316,6 @@ void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots
     const std::vector<Count> seen_without = seen.without(person.artifact),
                              changed_without = changed.without(person.material);
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const UncertaintyStatus status = results[c].status;
-      if (status != UncertaintyStatus::kEstimated && status != UncertaintyStatus::kNoCandidates) continue;
       columns[c].artifact.fill(seen_without);
       columns[c].material.fill(changed_without);
       compare_without(results[c], columns[c], whole[c], person, artifact, material);
@@ -326,21 +330,24 @@ void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots
   }
 }
 
-UncertaintyStatus find_status(const ColumnFinding& finding, const ColumnSlots& column, std::size_t artifact,
-                              std::size_t material) {
+UncertaintyStatus find_status(const ColumnFinding& finding, Rule rule, const ColumnSlots& column,
+                              std::size_t artifact, std::size_t material) {
   if (column.artifact.cells.empty()) return UncertaintyStatus::kUntested;
-  const bool no_level = finding.under(Rule::kPaper).artifact.status == CutStatus::kNone || finding.dropped;
   if (column.material.cells.empty()) {
-    return no_level ? UncertaintyStatus::kNoCandidates : UncertaintyStatus::kUntested;
+    if (finding.under(rule).artifact.status == CutStatus::kNone) return UncertaintyStatus::kNoCandidates;
+    return finding.dropped ? UncertaintyStatus::kDropped : UncertaintyStatus::kUntested;
   }
   return artifact > 1 && material > 1 ? UncertaintyStatus::kEstimated : UncertaintyStatus::kOneSubject;
 }
 
 void take_posteriors(ColumnUncertainty& result, const ColumnFinding& finding, const ColumnSlots& column,
                      const PosteriorParams& params) {
-  if (result.status == UncertaintyStatus::kNoCandidates) {
+  const auto& by_rule = result.by_rule;
+  if (std::any_of(by_rule.begin(), by_rule.end(), [](const auto& u) { return is_unasked(u.status); })) {
     const RuleShares free = find_free_posterior(finding, params);
-    for (std::size_t r = 0; r < free.size(); ++r) result.by_rule[r].free_posterior = free[r];
+    for (std::size_t r = 0; r < free.size(); ++r) {
+      if (is_unasked(by_rule[r].status)) result.by_rule[r].free_posterior = free[r];
+    }
   }
   if (column.artifact.cells.empty() || column.material.cells.empty()) return;
   const EquivalencePosterior posterior = find_posterior(finding, params);
@@ -372,7 +379,9 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
   result.columns.resize(findings.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     ColumnUncertainty& column = result.columns[c];
-    column.status = find_status(findings[c], columns[c], artifact.subjects(), material.subjects());
+    for (const Rule rule : kRules)
+      column.by_rule[static_cast<std::size_t>(rule)].status =
+          find_status(findings[c], rule, columns[c], artifact.subjects(), material.subjects());
     take_posteriors(column, findings[c], columns[c], {params.seed, params.posterior_draws});
   }
   result.subjects = std::min(artifact.subjects(), material.subjects());
@@ -392,6 +401,8 @@ std::string format_uncertainty_status(UncertaintyStatus status) {
       return "one_subject";
     case UncertaintyStatus::kNoCandidates:
       return "no_candidates";
+    case UncertaintyStatus::kDropped:
+      return "dropped";
     case UncertaintyStatus::kUntested:
       break;
   }

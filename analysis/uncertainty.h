@@ -33,17 +33,19 @@ struct CutRange {
   bool operator==(const CutRange&) const = default;
 };
 
-/// Why a column's uncertainty may be missing.
+/// Why a column's uncertainty under a rule may be missing.
 enum class UncertaintyStatus {
   kEstimated,
   kUntested,      ///< an experiment has no answers in this column
   kOneSubject,    ///< one subject answered: drawing it again says nothing; only the posterior is given
-  kNoCandidates,  ///< every tested level has artifacts or the selection dropped the column: EE is false, and
-                  ///< nobody was asked about the material
+  kNoCandidates,  ///< every tested level has artifacts: EE is false, and nobody was asked about the material
+  kDropped,       ///< the selection dropped the column, by another rule: under this one levels are free, and
+                  ///< nobody was asked about their material. EE is untested.
 };
 
 /// Under one rule.
 struct RuleUncertainty {
+  UncertaintyStatus status = UncertaintyStatus::kUntested;
   std::optional<double> posterior;  ///< probability of EE, the cells' proportions drawn from their posteriors
   /// The same with Jeffreys' prior cut off below one half, where no proportion correct can lie.
   std::optional<double> posterior_above_half;
@@ -54,8 +56,8 @@ struct RuleUncertainty {
   /// left out of both. shape: ResponseMatrix::sessions, sorted.
   std::vector<std::int64_t> artifact_flips;
   std::vector<std::int64_t> material_flips;  ///< of those who have a material session alone, by that
-  /// Of a column without candidates: that some level is free of artifacts, as EE needs, by its artifact
-  /// answers alone. EE is no more probable than that. Posterior probability and share of resamples.
+  /// Of a column with kNoCandidates or kDropped: that some level is free of artifacts, as EE needs, by its
+  /// artifact answers alone. EE is no more probable than that. Posterior probability and share of resamples.
   std::optional<double> free_posterior;
   std::optional<double> free_bootstrap;
   /// The same column's persons without whom one is free if none was, or none if one was; as artifact_flips.
@@ -63,7 +65,6 @@ struct RuleUncertainty {
 };
 
 struct ColumnUncertainty {
-  UncertaintyStatus status = UncertaintyStatus::kUntested;
   std::array<RuleUncertainty, 2> by_rule;  ///< shape: in order of kRules
 
   const RuleUncertainty& under(Rule rule) const { return by_rule[static_cast<std::size_t>(rule)]; }

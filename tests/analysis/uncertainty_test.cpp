@@ -206,8 +206,8 @@ double eval_below_cut_above_half(const Count& count) {
 // every way in which draws below one half are replaced. Seed 3, 20,000 draws, four standard errors. The draws
 // from the whole prior stay what they were.
 TEST(Posterior, above_one_half_is_the_truncated_one_in_closed_form) {
-  const std::vector<std::array<int, 4>> cases{{0, 1, 0, 1},   {1, 1, 1, 1},    {0, 2, 1, 2},  {8, 12, 9, 14},
-                                              {1, 4, 2, 4},   {3, 12, 2, 14},  {0, 5, 3, 6},  {5, 14, 1, 12},
+  const std::vector<std::array<int, 4>> cases{{0, 1, 0, 1},   {1, 1, 1, 1},   {0, 2, 1, 2},  {8, 12, 9, 14},
+                                              {1, 4, 2, 4},   {3, 12, 2, 14}, {0, 5, 3, 6},  {5, 14, 1, 12},
                                               {0, 12, 7, 14}, {0, 3, 0, 800}, {9, 12, 0, 14}};
   for (const auto& [k_artifact, n_artifact, k_material, n_material] : cases) {
     const auto result =
@@ -232,7 +232,7 @@ TEST(Bootstrap, over_subjects_of_one_cell_is_binomial) {
   const Answered answered = make_two_cells(8, 12, 9, 14);
   const double expected = (1 - eval_upper_tail(9, 12, 8.0 / 12)) * (1 - eval_upper_tail(11, 14, 9.0 / 14));
   const auto result = answered.disturb({4, 1, 20000}).front();
-  EXPECT_EQ(result.status, UncertaintyStatus::kEstimated);
+  EXPECT_EQ(result.under(Rule::kPaper).status, UncertaintyStatus::kEstimated);
   for (const Rule rule : kRules) {
     EXPECT_NEAR(*result.under(rule).bootstrap, expected, 4 * std::sqrt(expected * (1 - expected) / 20000));
   }
@@ -337,15 +337,19 @@ TEST(ResponseMatrix, adds_up_as_many_sessions_of_a_person_as_there_are) {
 }
 
 TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite) {
-  const auto status_of = [](const Answered& answered) { return answered.disturb({1, 50, 50}).front(); };
-  EXPECT_EQ(status_of(make_two_cells(0, 0, 0, 0)).status, UncertaintyStatus::kUntested);
-  EXPECT_EQ(status_of(make_two_cells(0, 12, 0, 0)).status, UncertaintyStatus::kUntested);
-  EXPECT_EQ(status_of(make_two_cells(1, 1, 1, 1)).status, UncertaintyStatus::kOneSubject);
+  const auto status_of = [](const Answered& answered) {
+    const auto column = answered.disturb({1, 50, 50}).front();
+    EXPECT_EQ(column.under(Rule::kPaper).status, column.under(Rule::kIsotonic).status);
+    return column;
+  };
+  EXPECT_EQ(status_of(make_two_cells(0, 0, 0, 0)).under(Rule::kPaper).status, UncertaintyStatus::kUntested);
+  EXPECT_EQ(status_of(make_two_cells(0, 12, 0, 0)).under(Rule::kPaper).status, UncertaintyStatus::kUntested);
+  EXPECT_EQ(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).status, UncertaintyStatus::kOneSubject);
   EXPECT_FALSE(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).bootstrap);
   EXPECT_TRUE(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).posterior);
   for (const auto& [k, n] : std::vector<std::pair<int, int>>{{0, 12}, {12, 12}, {6, 12}, {0, 2}, {2, 2}}) {
     const auto result = status_of(make_two_cells(k, n, k, n));
-    EXPECT_EQ(result.status, UncertaintyStatus::kEstimated);
+    EXPECT_EQ(result.under(Rule::kPaper).status, UncertaintyStatus::kEstimated);
     for (const Rule rule : kRules) {
       const RuleUncertainty& under = result.under(rule);
       EXPECT_TRUE(*under.posterior >= 0 && *under.posterior <= 1);
@@ -359,7 +363,7 @@ TEST(Uncertainty, of_a_column_that_pruning_dropped_says_that_it_has_no_candidate
   Answered answered = make_two_cells(12, 12, 0, 0);
   for (AnswerRow& row : answered.artifact) row.cell.clamp_level = 10;
   const auto result = answered.disturb({1, 10, 10}).front();
-  EXPECT_EQ(result.status, UncertaintyStatus::kNoCandidates);
+  EXPECT_EQ(result.under(Rule::kPaper).status, UncertaintyStatus::kNoCandidates);
   EXPECT_EQ(result.under(Rule::kPaper).artifact_cut, (CutRange{11, 11}));
 }
 
@@ -370,7 +374,7 @@ TEST(Uncertainty, of_a_dropped_column_says_how_sure_it_is_that_no_level_is_free)
   Answered answered = make_two_cells(9, 12, 0, 0);
   for (AnswerRow& row : answered.artifact) row.cell.clamp_level = 10;
   const auto result = answered.disturb({3, 20000, 20000}).front();
-  ASSERT_EQ(result.status, UncertaintyStatus::kNoCandidates);
+  ASSERT_EQ(result.under(Rule::kPaper).status, UncertaintyStatus::kNoCandidates);
   const double posterior = 1 - *eval_posterior_over({9, 12}), share = 1 - eval_upper_tail(9, 12, 9.0 / 12);
   for (const Rule rule : kRules) {
     const RuleUncertainty& under = result.under(rule);
@@ -381,6 +385,33 @@ TEST(Uncertainty, of_a_dropped_column_says_how_sure_it_is_that_no_level_is_free)
     EXPECT_TRUE(under.artifact_flips.empty());
   }
   EXPECT_FALSE(make_two_cells(9, 12, 0, 14).disturb({3, 10, 10}).front().under(Rule::kPaper).free_posterior);
+}
+
+// C7 to C9 look free, C10 does not: `paper` finds no cut and pruning dropped the column. `isotonic` pools
+// them to 9 of 48: free, and nobody was asked.
+TEST(Uncertainty, of_a_dropped_column_is_told_rule_by_rule) {
+  Answered answered;
+  answered.study = load_protocol("pocket");
+  const Column column = enumerate_columns(answered.study).front();
+  for (int i = 0; i < 12; ++i) {
+    for (const int level : {7, 8, 9, 10})
+      answered.artifact.push_back({i + 1, i, {column, level, false}, level == 10 && i < 9});
+  }
+  answered.selection = make_selection(answered.study, tally_answers(answered.artifact, answered.study),
+                                      SubjectKind::kPlanted, Rule::kPaper, std::string(64, 'a'));
+  ASSERT_TRUE(answered.selection->columns.front().levels.empty());
+  const ColumnFinding finding = answered.find().front();
+  EXPECT_EQ(finding.under(Rule::kPaper).verdict, Verdict::kNone);
+  EXPECT_EQ(finding.under(Rule::kIsotonic).verdict, Verdict::kUntested);
+  const auto result = answered.disturb({1, 200, 200}).front();
+  EXPECT_EQ(result.under(Rule::kPaper).status, UncertaintyStatus::kNoCandidates);
+  EXPECT_EQ(result.under(Rule::kIsotonic).status, UncertaintyStatus::kDropped);
+  EXPECT_FALSE(result.under(Rule::kIsotonic).posterior || result.under(Rule::kIsotonic).bootstrap);
+  EXPECT_GT(*result.under(Rule::kIsotonic).free_posterior, 0.99);
+  EXPECT_LT(*result.under(Rule::kPaper).free_posterior, 0.9);
+  answered.selection.reset();
+  EXPECT_EQ(answered.disturb({1, 10, 10}).front().under(Rule::kIsotonic).status, UncertaintyStatus::kUntested)
+      << "not pruned yet";
 }
 
 // Seed 7: rows shuffled, subjects renamed and exchanged, the same numbers to the last bit.
