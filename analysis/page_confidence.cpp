@@ -101,6 +101,8 @@ std::string explain_status(UncertaintyStatus status, Rule rule) {
       return "an experiment has no answers here";
     case UncertaintyStatus::kOneSubject:
       return "one subject: nobody to draw again";
+    case UncertaintyStatus::kTooFewSubjects:
+      return "too few subjects for ranges";
     case UncertaintyStatus::kNoCandidates:
       return "no level is left free of artifacts";
     case UncertaintyStatus::kDropped:
@@ -122,7 +124,7 @@ std::string count_flips(const ColumnUncertainty& column, Rule rule) {
   const RuleUncertainty& under = column.under(rule);
   if (under.status == UncertaintyStatus::kNoCandidates && under.free_bootstrap)
     return fmt::format("{}", under.free_flips.size());
-  if (under.status != UncertaintyStatus::kEstimated) return kDash;
+  if (!is_resampled(under.status)) return kDash;
   return fmt::format("{}", under.artifact_flips.size() + under.material_flips.size());
 }
 
@@ -155,6 +157,7 @@ struct Firmness {
 constexpr double kFirmShare = 0.95;  ///< of draws from either prior, and of resamples, for a firm verdict
 
 bool is_shared(const RuleFinding& finding, const RuleUncertainty& under) {
+  if (under.status != UncertaintyStatus::kEstimated) return false;
   if (!under.posterior || !under.posterior_above_half || !under.bootstrap) return false;
   const bool exists = finding.verdict == Verdict::kExists;
   const auto sure = [&](double share) { return exists ? share >= kFirmShare : share <= 1 - kFirmShare; };
@@ -232,7 +235,8 @@ std::string describe_unattainable(const std::vector<Trend>& trends, const std::v
   }
   if (beyond == 0) return "";
   return fmt::format(
-      "{} of the {} trends that are asked for could not be shown whatever the answers: so few pairs give no "
+      "{} of the {} trends that are asked for could not be shown whatever the answers: so few objects give "
+      "no "
       "p by Holm of "
       "{:g} or less. That nothing is shown there says nothing against a trend.",
       beyond, asked, kTrendLevel);
@@ -241,13 +245,14 @@ std::string describe_unattainable(const std::vector<Trend>& trends, const std::v
 std::vector<std::string> trend_fields(const Trend& trend, double least_holm) {
   const std::string name = fmt::format("{}, {} to {}", trend.factor, trend.from, trend.to);
   if (trend.status == TrendStatus::kNoPairs)
-    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash, kDash};
+    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash, kDash, kDash};
   return {escape_xml(name),
           trend.holds ? R"(<span class="met">HOLDS</span>)" : "not shown",
           fmt::format("{}", trend.pairs),
+          fmt::format("{}", trend.clusters),
           fmt::format("{} / {}", trend.gained, trend.lost),
           trend.effect ? fmt::format("{:+.2f}", *trend.effect) : kDash,
-          format_interval(trend.interval),
+          trend.status == TrendStatus::kTooFewSubjects ? "too few subjects" : format_interval(trend.interval),
           format_small(trend.p),
           format_small(trend.p_holm),
           format_small(least_holm)};
@@ -303,7 +308,10 @@ std::string format_uncertainty(const Report& report) {
              "C7, the "
              "first "
              "level tested, where that looks changed already; censored_low and censored_high: the cut itself "
-             "lies beyond the tested levels. Turned by one: subjects without any one of whom the verdict "
+             "lies beyond the tested levels. Of fewer than six subjects in an experiment no range is given "
+             "for its "
+             "cuts, and no verdict counts as shared. Turned by one: subjects without any one of whom the "
+             "verdict "
              "is another, by name in <code>subjects.csv</code>. Where no level is left free of artifacts "
              "nobody was "
              "asked about the material: &le; is the share in which some level is free, more cannot be "
@@ -367,8 +375,8 @@ std::string format_rule_certainty(const Report& report) {
 
 std::string format_trends(const Report& report) {
   if (report.trends.empty()) return "<p>No factor of this study has two levels.</p>\n";
-  Table table{{"along", "verdict", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm",
-               "least p, Holm"},
+  Table table{{"along", "verdict", "pairs", "objects", "gained / lost", "effect", "95 % interval", "p",
+               "p, Holm", "least p, Holm"},
               {}};
   std::string sentences;
   const std::vector<double> least = find_least_holm(report.trends);
@@ -384,7 +392,10 @@ std::string format_trends(const Report& report) {
          "equivalence at "
          "the later level only; lost, at the earlier only; effect, their difference by all pairs. p is "
          "exact, two-"
-         "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
+         "sided: verdicts permuted within such a set of columns, those of an object at all its VPL counts "
+         "together, since they go up and down together: so the number of objects and not of pairs says how "
+         "much "
+         "can be shown; Holm&rsquo;s allows for the number of "
          "trends; the least is what verdicts all at one end, along every trend, would give. p speaks of the "
          "columns of this study, the interval of its subjects, neither of other scenes. The interval is the "
          "effect give or take the farther end of what subjects drawn again give; a column that was dropped, "
@@ -392,7 +403,8 @@ std::string format_trends(const Report& report) {
          "such a sample would not be, counts as what takes the effect farther. A trend "
          "holds iff p by Holm is 0.05 or less and "
          "the "
-         "interval leaves out 0. From <code>trends.csv</code>.</p>\n";
+         "interval leaves out 0; fewer than six subjects have no interval. From "
+         "<code>trends.csv</code>.</p>\n";
 }
 
 std::string format_tracing(const std::vector<Report>& reports) {

@@ -86,7 +86,7 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
     const RuleUncertainty& under = column.under(rule);
     append(row, {format_uncertainty_status(under.status), format_number(under.posterior),
                  format_number(under.posterior_above_half), format_number(under.bootstrap),
-                 under.status == UncertaintyStatus::kEstimated
+                 is_resampled(under.status)
                      ? format_int(std::ssize(under.artifact_flips) + std::ssize(under.material_flips))
                      : ""});
     for (const auto& findings : report.at_other_percents)
@@ -197,6 +197,7 @@ Row trend_row(const Report& report, const Trend& trend) {
           format_trend_status(trend.status),
           format_int(trend.strata),
           format_int(trend.pairs),
+          format_int(trend.clusters),
           format_int(trend.gained),
           format_int(trend.lost),
           format_number(trend.effect)};
@@ -207,8 +208,8 @@ Row trend_row(const Report& report, const Trend& trend) {
 }
 
 Table make_trends(const std::vector<Report>& reports) {
-  Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "gained", "lost",
-               "effect", "lower", "upper", "p", "p_least", "p_holm", "holds", "sentence"},
+  Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "clusters", "gained",
+               "lost", "effect", "lower", "upper", "p", "p_least", "p_holm", "holds", "sentence"},
               {}};
   for (const Report& report : reports) {
     for (const Trend& trend : report.trends) table.rows.push_back(trend_row(report, trend));

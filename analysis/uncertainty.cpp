@@ -202,10 +202,10 @@ ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const std::str
   return all;
 }
 
-// shape: a range for each rule, in order of kRules; one subject, drawn again, has none.
+// shape: a range for each rule, in order of kRules; too few subjects, drawn again, have none.
 std::array<std::optional<CutRange>, 2> find_ranges(const std::vector<CutHistogram>& cuts,
                                                    std::size_t subjects, double level) {
-  if (subjects < 2) return {};
+  if (subjects < kLeastResampled) return {};
   const double tail = find_bootstrap_tail(subjects, level);
   std::optional<CutRange> paper = cuts[static_cast<std::size_t>(Rule::kPaper)].find_range(tail);
   const auto isotonic = cuts[static_cast<std::size_t>(Rule::kIsotonic)].find_range(tail);
@@ -227,7 +227,7 @@ void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t 
     result.by_rule[r].artifact_cut = artifact_cuts[r];
     result.by_rule[r].material_cut = material_cuts[r];
     const UncertaintyStatus status = result.by_rule[r].status;
-    if (status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
+    if (is_resampled(status)) result.by_rule[r].bootstrap = sums.shares[r].get();
     if (is_unasked(status) && artifact > 1) result.by_rule[r].free_bootstrap = sums.free[r].get();
   }
 }
@@ -298,7 +298,7 @@ void compare_without(ColumnUncertainty& result, const ColumnSlots& without, cons
                      const Person& person, const ResponseMatrix& artifact, const ResponseMatrix& material) {
   for (const Rule rule : kRules) {
     RuleUncertainty& under = result.by_rule[static_cast<std::size_t>(rule)];
-    if (under.status == UncertaintyStatus::kEstimated) {
+    if (is_resampled(under.status)) {
       if (is_exists(without, rule) != is_exists(whole, rule)) note_flip(under, person, artifact, material);
     } else if (is_unasked(under.status) && person.artifact &&
                is_any_free(without, rule) != is_any_free(whole, rule)) {
@@ -337,7 +337,9 @@ UncertaintyStatus find_status(const ColumnFinding& finding, Rule rule, const Col
     if (finding.under(rule).artifact.status == CutStatus::kNone) return UncertaintyStatus::kNoCandidates;
     return finding.dropped ? UncertaintyStatus::kDropped : UncertaintyStatus::kUntested;
   }
-  return artifact > 1 && material > 1 ? UncertaintyStatus::kEstimated : UncertaintyStatus::kOneSubject;
+  const std::size_t least = std::min(artifact, material);
+  if (least < 2) return UncertaintyStatus::kOneSubject;
+  return least < kLeastResampled ? UncertaintyStatus::kTooFewSubjects : UncertaintyStatus::kEstimated;
 }
 
 void take_posteriors(ColumnUncertainty& result, const ColumnFinding& finding, const ColumnSlots& column,
@@ -393,12 +395,18 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
   return result;
 }
 
+bool is_resampled(UncertaintyStatus status) {
+  return status == UncertaintyStatus::kEstimated || status == UncertaintyStatus::kTooFewSubjects;
+}
+
 std::string format_uncertainty_status(UncertaintyStatus status) {
   switch (status) {
     case UncertaintyStatus::kEstimated:
       return "estimated";
     case UncertaintyStatus::kOneSubject:
       return "one_subject";
+    case UncertaintyStatus::kTooFewSubjects:
+      return "too_few_subjects";
     case UncertaintyStatus::kNoCandidates:
       return "no_candidates";
     case UncertaintyStatus::kDropped:

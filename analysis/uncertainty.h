@@ -23,9 +23,10 @@ struct UncertaintyParams {
   double level = kIntervalLevel;  ///< of ranges of cuts
 };
 
-/// Where a cut lies in all resamples but find_bootstrap_tail at either end, as places on the scale of clamp
-/// levels. Under `paper` it is widened to the range under `isotonic`: of many levels near the cut that rule
-/// takes the outermost that chance flags, and of a resample's again, so that its own range drifts outwards.
+/// Of kLeastResampled subjects or more. Where a cut lies in all resamples but find_bootstrap_tail at either
+/// end, as places on the scale of clamp levels. Under `paper` it is widened to the range under `isotonic`: of
+/// many levels near the cut that rule takes the outermost that chance flags, and of a resample's again, so
+/// that its own range drifts outwards.
 struct CutRange {
   int lower = 0;  ///< a clamp level; -1: no level, before the first one (material). A material threshold
                   ///< below all tested levels may lie from there up to the level before them
@@ -36,8 +37,10 @@ struct CutRange {
 /// Why a column's uncertainty under a rule may be missing.
 enum class UncertaintyStatus {
   kEstimated,
-  kUntested,      ///< an experiment has no answers in this column
-  kOneSubject,    ///< one subject answered: drawing it again says nothing; only the posterior is given
+  kUntested,        ///< an experiment has no answers in this column
+  kOneSubject,      ///< one subject answered: drawing it again says nothing; only the posterior is given
+  kTooFewSubjects,  ///< fewer than kLeastResampled in an experiment: shares and flips, but no range of its
+                    ///< cuts
   kNoCandidates,  ///< every tested level has artifacts: EE is false, and nobody was asked about the material
   kDropped,       ///< the selection dropped the column, by another rule: under this one levels are free, and
                   ///< nobody was asked about their material. EE is untested.
@@ -86,6 +89,9 @@ struct Uncertainty {
 Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding>& findings,
                              const ResponseMatrix& artifact, const ResponseMatrix& material,
                              const UncertaintyParams& params);
+
+/// Whether subjects could be drawn again and left out: bootstrap and flips are given.
+bool is_resampled(UncertaintyStatus status);
 
 std::string format_uncertainty_status(UncertaintyStatus status);
 

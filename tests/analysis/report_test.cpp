@@ -506,14 +506,17 @@ TEST(Report, claims_no_more_than_was_shown) {
   EXPECT_TRUE(has(half, "the rules agree on every artifact cut"));
 }
 
-// Two trends of four pairs each: at best 2 / 2^4, twice that by Holm.
+// Two trends of four pairs each, of four objects along VPL counts and of two (a material each) along
+// geometries: at best 2 / 2^4 and 2 / 2^2, the first twice that by Holm.
 TEST(Report, says_which_trends_no_answers_could_show) {
   const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
   ASSERT_EQ(report.trends.size(), 2U);
-  for (const Trend& trend : report.trends) EXPECT_EQ(trend.p_least, 0.125);
+  EXPECT_EQ(report.trends[0].p_least, 0.125);
+  EXPECT_EQ(report.trends[1].p_least, 0.5);
   const std::string page = format_page({report});
   EXPECT_TRUE(has(page, "2 of the 2 trends that are asked for could not be shown whatever the answers"));
   EXPECT_TRUE(has(page, "<td class=\"number\">0.2500</td></tr>"));
+  EXPECT_TRUE(has(page, "<td class=\"number\">0.5000</td></tr>"));
   EXPECT_FALSE(has(format_page({make_planted_report(make_planted_study("paper", 12, 14, 1, 0.02))}),
                    "could not be shown"));
 }

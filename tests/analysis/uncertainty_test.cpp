@@ -347,14 +347,18 @@ TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite
   EXPECT_EQ(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).status, UncertaintyStatus::kOneSubject);
   EXPECT_FALSE(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).bootstrap);
   EXPECT_TRUE(status_of(make_two_cells(1, 1, 1, 1)).under(Rule::kPaper).posterior);
-  for (const auto& [k, n] : std::vector<std::pair<int, int>>{{0, 12}, {12, 12}, {6, 12}, {0, 2}, {2, 2}}) {
+  for (const auto& [k, n] :
+       std::vector<std::pair<int, int>>{{0, 12}, {12, 12}, {6, 12}, {3, 6}, {2, 5}, {0, 2}, {2, 2}}) {
     const auto result = status_of(make_two_cells(k, n, k, n));
-    EXPECT_EQ(result.under(Rule::kPaper).status, UncertaintyStatus::kEstimated);
+    const bool is_enough = n >= 6;
+    EXPECT_EQ(result.under(Rule::kPaper).status,
+              is_enough ? UncertaintyStatus::kEstimated : UncertaintyStatus::kTooFewSubjects);
     for (const Rule rule : kRules) {
       const RuleUncertainty& under = result.under(rule);
       EXPECT_TRUE(*under.posterior >= 0 && *under.posterior <= 1);
       EXPECT_TRUE(*under.bootstrap >= 0 && *under.bootstrap <= 1);
-      EXPECT_TRUE(under.artifact_cut && under.material_cut);
+      EXPECT_EQ(under.artifact_cut.has_value(), is_enough) << n;
+      EXPECT_EQ(under.material_cut.has_value(), is_enough) << n;
     }
   }
 }
