@@ -23,10 +23,17 @@ void add_counts(Spread& spread, const ComboCounts& counts) {
   spread.over += difference > kBalanceAllows ? 1 : 0;
 }
 
-// The combinations of a session and how many of its answers were read.
+// The combinations of a session and how many of its trials were read.
 struct SessionReading {
   const std::vector<std::uint8_t>* combos = nullptr;
   std::size_t read = 0;
+
+  // Of the next trial that was answered: the others have no answer in the list.
+  std::uint8_t next(std::int64_t session) {
+    while (read < combos->size() && (*combos)[read] >= kUnansweredCombo) ++read;
+    EQ_CHECK(read < combos->size(), read, session);
+    return (*combos)[read++];
+  }
 };
 
 using SessionReadings = std::unordered_map<std::int64_t, SessionReading>;
@@ -43,7 +50,7 @@ Spread measure_sessions(const SessionReadings& readings) {
   Spread spread;
   for (const auto& [session, reading] : readings) {
     ComboCounts counts{};
-    for (const std::uint8_t combo : *reading.combos) ++counts.at(combo);
+    for (const std::uint8_t combo : *reading.combos) ++counts.at(combo % kUnansweredCombo);
     add_counts(spread, counts);
   }
   return spread;
@@ -56,11 +63,10 @@ Spread measure_cells(const ExperimentEvidence& evidence, SessionReadings reading
   for (const AnswerRow& answer : evidence.answers) {
     const auto found = readings.find(answer.session);
     if (found == readings.end()) continue;
-    SessionReading& reading = found->second;
-    EQ_CHECK(reading.read < reading.combos->size(), reading.read, answer.session);
+    const std::uint8_t combo = found->second.next(answer.session);
     const std::uint32_t cell = numbers.number_of(answer.cell);
     if (cell == counts.size()) counts.push_back({});
-    ++counts[cell].at((*reading.combos)[reading.read++]);
+    ++counts[cell].at(combo);
   }
   Spread spread;
   for (const ComboCounts& of_cell : counts) add_counts(spread, of_cell);

@@ -25,7 +25,8 @@ struct Balance {
   std::int64_t most_answers = 0;
 };
 
-/// Of the finished sessions. errors: CheckFailure where a session has not one answer for each combination.
+/// Of the finished sessions: of a session all main trials as they were shown, of a cell those that were
+/// answered. errors: CheckFailure where a session has more answers than answered trials.
 Balance find_balance(const ExperimentEvidence& evidence);
 
 }  // namespace equilux

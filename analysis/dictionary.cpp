@@ -55,7 +55,8 @@ constexpr DictionaryEntry kDictionary[] = {
     {"thresholds.csv", "untested", "string",
      "levels that the rule keeps for the material experiment, without answers"},
     {"thresholds.csv", "cut_lower", "string",
-     "least clamped end of the 95 % range of cuts when subjects are drawn again; none: no level; one that is "
+     "least clamped end of the 95 % range of cuts when subjects are drawn again, empty where they are fewer "
+     "than six; none: no level; one that is "
      "more clamped than all that were tested: it or more clamped. Where material cuts lie below all tested "
      "levels the range reaches from none up to the level before them. Holds the truth less often than it "
      "says "
@@ -75,12 +76,18 @@ constexpr DictionaryEntry kDictionary[] = {
     {"ee.csv", "green_isotonic", "string", "equivalent levels"},
     {"ee.csv", "supported_isotonic", "string", "as supported_paper"},
     {"ee.csv", "dropped", "boolean", "whether pruning kept no level of this column"},
-    {"ee.csv", "uncertainty", "string",
+    {"ee.csv", "uncertainty_paper", "string",
      "estimated; untested: an experiment has no answers here; one_subject: nobody to draw again; "
+     "too_few_subjects: fewer than six in an experiment, shares and flips but no range of its cuts; "
      "no_candidates: no "
-     "level is free of artifacts, so that EE is false"},
+     "level is free of artifacts, so that EE is false; dropped: pruning by another rule kept no level, "
+     "under this one levels are free, and nobody was asked about them: EE is untested"},
+    {"ee.csv", "uncertainty_isotonic", "string", "as uncertainty_paper"},
     {"ee.csv", "posterior_paper", "number",
      "posterior probability of EE: each cell's proportion drawn from its posterior, then the rule"},
+    {"ee.csv", "posterior_above_half_paper", "number",
+     "the same with Jeffreys' prior cut off below one half, where no proportion correct can lie: each cell's "
+     "proportion drawn from its posterior on 0.5 to 1"},
     {"ee.csv", "bootstrap_paper", "number", "share of resamples of subjects in which EE is true"},
     {"ee.csv", "flips_paper", "integer",
      "subjects, of both experiments, without any one of whom EE is another; one of both is left out of both"},
@@ -89,7 +96,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "cut would leave it a level"},
     {"ee.csv", "ee80_paper", "string", "the same at 80 %"},
     {"ee.csv", "free_posterior_paper", "number",
-     "of a column with no_candidates: posterior probability, by its artifact answers, that some level is "
+     "of a column with no_candidates or dropped: posterior probability, by its artifact answers, that some "
+     "level is "
      "free "
      "of artifacts; EE, of which nobody was asked there, is no more probable"},
     {"ee.csv", "free_bootstrap_paper", "number",
@@ -102,6 +110,7 @@ constexpr DictionaryEntry kDictionary[] = {
     {"ee.csv", "free_bootstrap_isotonic", "number", "as free_bootstrap_paper"},
     {"ee.csv", "free_flips_isotonic", "integer", "as free_flips_paper"},
     {"ee.csv", "posterior_isotonic", "number", "as posterior_paper"},
+    {"ee.csv", "posterior_above_half_isotonic", "number", "as posterior_above_half_paper"},
     {"ee.csv", "bootstrap_isotonic", "number", "as bootstrap_paper"},
     {"ee.csv", "flips_isotonic", "integer", "as flips_paper"},
     {"ee.csv", "ee70_isotonic", "string", "as ee70_paper"},
@@ -145,9 +154,13 @@ constexpr DictionaryEntry kDictionary[] = {
     {"trends.csv", "factor", "string", "what differs; everything else is equal"},
     {"trends.csv", "from", "string", "its first level"},
     {"trends.csv", "to", "string", "its last level"},
-    {"trends.csv", "status", "string", "tested; flat: EE never differs; no_pairs: nothing to compare"},
+    {"trends.csv", "status", "string",
+     "tested; flat: EE never differs; too_few_subjects: fewer than six, no interval, so that no trend holds; "
+     "no_pairs: nothing to compare"},
     {"trends.csv", "strata", "integer", "sets of columns that differ in this factor alone"},
     {"trends.csv", "pairs", "integer", "pairs within them"},
+    {"trends.csv", "clusters", "integer",
+     "objects that the pairs are of, at all their VPL counts: what p permutes as a whole"},
     {"trends.csv", "gained", "integer", "pairs with EE at the later level only"},
     {"trends.csv", "lost", "integer", "pairs with EE at the earlier level only"},
     {"trends.csv", "effect", "number", "(gained - lost) / pairs"},
@@ -156,7 +169,8 @@ constexpr DictionaryEntry kDictionary[] = {
      "Holds the truth less often than it says of a trend that turns every verdict and is seen over two "
      "levels: 80.0 % (paper), 91.3 % (isotonic) in simulated studies"},
     {"trends.csv", "upper", "number", "upper end of it; holds what lower says"},
-    {"trends.csv", "p", "number", "two-sided exact p: EE permuted within strata"},
+    {"trends.csv", "p", "number",
+     "two-sided exact p: EE permuted within strata, that of an object at all its VPL counts together"},
     {"trends.csv", "p_least", "number", "the least p that any verdicts of these columns could give"},
     {"trends.csv", "p_holm", "number", "the same after Holm, over the trends of the study"},
     {"trends.csv", "holds", "boolean", "p_holm is 0.05 or less and the interval leaves out 0"},

@@ -17,20 +17,14 @@ Region region_of(LevelState artifact, LevelState material) {
   return same ? Region::kEquivalent : Region::kUntested;
 }
 
-// A column without an artifact-free level has nothing to show in the material experiment; one that was
-// dropped has no equivalence whatever the other rule thinks of its artifacts.
-Verdict verdict_of(const RuleFinding& finding, bool dropped) {
+// A column without an artifact-free level has nothing to show in the material experiment. One that was
+// dropped by another rule or another cut has, and nobody was asked: that is not known to be none.
+Verdict verdict_of(const RuleFinding& finding) {
   if (!finding.green.empty()) return Verdict::kExists;
   if (finding.artifact.status == CutStatus::kUntested) return Verdict::kUntested;
-  const bool has_candidates = finding.artifact.status != CutStatus::kNone && !dropped;
+  const bool has_candidates = finding.artifact.status != CutStatus::kNone;
   return has_candidates && finding.material.status == CutStatus::kUntested ? Verdict::kUntested
                                                                            : Verdict::kNone;
-}
-
-// The selection dropped a column by flags at kFlagPercent: at another cut, where a level would be left,
-// nobody was asked about its material.
-bool is_dropped_at(int percent, const ColumnFinding& column) {
-  return column.dropped && percent == kFlagPercent;
 }
 
 RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bool has_material,
@@ -50,7 +44,7 @@ RuleFinding judge(const ColumnFinding& column, const Study& study, Rule rule, bo
     if (is_supported(column.artifact[i].count, percent) && is_supported(material, percent))
       finding.supported.push_back(level);
   }
-  finding.verdict = verdict_of(finding, is_dropped_at(percent, column));
+  finding.verdict = verdict_of(finding);
   return finding;
 }
 

@@ -93,32 +93,38 @@ std::string format_green(const RuleFinding& finding) {
 }
 
 // Why a column has no numbers of uncertainty, or not all.
-const char* explain_status(UncertaintyStatus status) {
+std::string explain_status(UncertaintyStatus status, Rule rule) {
   switch (status) {
     case UncertaintyStatus::kEstimated:
-      break;
+      return "";
     case UncertaintyStatus::kUntested:
       return "an experiment has no answers here";
     case UncertaintyStatus::kOneSubject:
       return "one subject: nobody to draw again";
+    case UncertaintyStatus::kTooFewSubjects:
+      return "too few subjects for ranges";
     case UncertaintyStatus::kNoCandidates:
       return "no level is left free of artifacts";
+    case UncertaintyStatus::kDropped:
+      break;
   }
-  return "";
+  return fmt::format("dropped by pruning; under {} levels are free, nobody was asked", format_rule(rule));
 }
 
-// The share, or a bound of it, rounded up: that of a level that is free of artifacts where nobody was asked
-// about the material.
-std::string format_bounded(const std::optional<double>& value, const std::optional<double>& bound) {
-  if (value || !bound) return format_share(value);
+// The share, or a bound of it, rounded up: that of a level that is free of artifacts where none was left to
+// ask about.
+std::string format_bounded(const RuleUncertainty& under, const std::optional<double>& value,
+                           const std::optional<double>& bound) {
+  if (value || !bound || under.status != UncertaintyStatus::kNoCandidates) return format_share(value);
   return fmt::format("&le; {:.2f}", std::ceil(*bound * 100) / 100);
 }
 
 // The subject numbers of a column whose leaving out turns the verdict, both experiments.
 std::string count_flips(const ColumnUncertainty& column, Rule rule) {
   const RuleUncertainty& under = column.under(rule);
-  if (under.free_bootstrap) return fmt::format("{}", under.free_flips.size());
-  if (column.status != UncertaintyStatus::kEstimated) return kDash;
+  if (under.status == UncertaintyStatus::kNoCandidates && under.free_bootstrap)
+    return fmt::format("{}", under.free_flips.size());
+  if (!is_resampled(under.status)) return kDash;
   return fmt::format("{}", under.artifact_flips.size() + under.material_flips.size());
 }
 
@@ -129,8 +135,9 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
   return {escape_xml(format_key(finding.column)),
           mark_verdict(finding.under(report.rule)),
           format_green(finding.under(report.rule)),
-          format_bounded(under.posterior, under.free_posterior),
-          format_bounded(under.bootstrap, under.free_bootstrap),
+          format_bounded(under, under.posterior, under.free_posterior),
+          format_share(under.posterior_above_half),
+          format_bounded(under, under.bootstrap, under.free_bootstrap),
           count_flips(column, report.rule),
           mark_verdict(report.at_other_percents[0][c].under(report.rule)),
           mark_verdict(report.at_other_percents[1][c].under(report.rule)),
@@ -138,7 +145,7 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
                            Experiment::kArtifact, report.study),
           format_cut_range(under.material_cut, finding.material, finding.under(report.rule).material,
                            Experiment::kMaterial, report.study),
-          explain_status(column.status)};
+          explain_status(under.status, report.rule)};
 }
 
 double eval_share_error(double share, int draws) { return std::sqrt(share * (1 - share) / draws); }
@@ -147,13 +154,14 @@ struct Firmness {
   std::size_t firm = 0, assumed = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
 };
 
-constexpr double kFirmShare = 0.95;  ///< of draws, and of resamples, that share a firm verdict
+constexpr double kFirmShare = 0.95;  ///< of draws from either prior, and of resamples, for a firm verdict
 
 bool is_shared(const RuleFinding& finding, const RuleUncertainty& under) {
-  if (!under.posterior || !under.bootstrap) return false;
+  if (under.status != UncertaintyStatus::kEstimated) return false;
+  if (!under.posterior || !under.posterior_above_half || !under.bootstrap) return false;
   const bool exists = finding.verdict == Verdict::kExists;
   const auto sure = [&](double share) { return exists ? share >= kFirmShare : share <= 1 - kFirmShare; };
-  return sure(*under.posterior) && sure(*under.bootstrap);
+  return sure(*under.posterior) && sure(*under.posterior_above_half) && sure(*under.bootstrap);
 }
 
 // Verdicts that nineteen of twenty resamples and draws share, and those that a trifle turns.
@@ -227,7 +235,8 @@ std::string describe_unattainable(const std::vector<Trend>& trends, const std::v
   }
   if (beyond == 0) return "";
   return fmt::format(
-      "{} of the {} trends that are asked for could not be shown whatever the answers: so few pairs give no "
+      "{} of the {} trends that are asked for could not be shown whatever the answers: so few objects give "
+      "no "
       "p by Holm of "
       "{:g} or less. That nothing is shown there says nothing against a trend.",
       beyond, asked, kTrendLevel);
@@ -236,13 +245,14 @@ std::string describe_unattainable(const std::vector<Trend>& trends, const std::v
 std::vector<std::string> trend_fields(const Trend& trend, double least_holm) {
   const std::string name = fmt::format("{}, {} to {}", trend.factor, trend.from, trend.to);
   if (trend.status == TrendStatus::kNoPairs)
-    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash, kDash};
+    return {escape_xml(name), "nothing to compare", kDash, kDash, kDash, kDash, kDash, kDash, kDash, kDash};
   return {escape_xml(name),
           trend.holds ? R"(<span class="met">HOLDS</span>)" : "not shown",
           fmt::format("{}", trend.pairs),
+          fmt::format("{}", trend.clusters),
           fmt::format("{} / {}", trend.gained, trend.lost),
           trend.effect ? fmt::format("{:+.2f}", *trend.effect) : kDash,
-          format_interval(trend.interval),
+          trend.status == TrendStatus::kTooFewSubjects ? "too few subjects" : format_interval(trend.interval),
           format_small(trend.p),
           format_small(trend.p_holm),
           format_small(least_holm)};
@@ -257,15 +267,16 @@ std::string format_share(const std::optional<double>& value) {
 std::string format_small(double p) { return p < 0.0001 ? "&lt; 0.0001" : fmt::format("{:.4f}", p); }
 
 std::string format_uncertainty(const Report& report) {
-  Table table{{"column", "EE", "levels", "posterior", "resampled", "turned by one", "EE at 70 %",
-               "EE at 80 %", "artifact cut", "material cut", "remark"},
+  Table table{{"column", "EE", "levels", "posterior", "cut off at &frac12;", "resampled", "turned by one",
+               "EE at 70 %", "EE at 80 %", "artifact cut", "material cut", "remark"},
               {}};
   for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
   const Firmness sum = count_firm(report, report.rule);
   return fmt::format(
              "<p>Of {} columns with answers in both experiments, {} have a verdict that at least 95&nbsp;% "
-             "of both "
-             "posterior draws and resamples of subjects share{}; in {} leaving out a single subject turns "
+             "of "
+             "posterior draws from either prior and of resamples of subjects share{}; in {} leaving out a "
+             "single subject turns "
              "it, "
              "and in "
              "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. EE is found in {} columns, of "
@@ -284,7 +295,10 @@ std::string format_uncertainty(const Report& report) {
              "drawn "
              "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; levels beyond "
              "the window it takes as the rule does, less clamped ones to have artifacts and more clamped "
-             "ones to be free of them, without doubt. Resampled: share of {} samples of subjects, drawn "
+             "ones to be free of them, without doubt. Cut off at &frac12;: the same with Jeffreys&rsquo; "
+             "prior "
+             "cut off below one half, where no proportion correct can lie. Resampled: share of {} samples of "
+             "subjects, drawn "
              "again with "
              "replacement in "
              "each experiment, in which it exists; the cuts are 95&nbsp;% ranges over them, under paper "
@@ -294,7 +308,10 @@ std::string format_uncertainty(const Report& report) {
              "C7, the "
              "first "
              "level tested, where that looks changed already; censored_low and censored_high: the cut itself "
-             "lies beyond the tested levels. Turned by one: subjects without any one of whom the verdict "
+             "lies beyond the tested levels. Of fewer than six subjects in an experiment no range is given "
+             "for its "
+             "cuts, and no verdict counts as shared. Turned by one: subjects without any one of whom the "
+             "verdict "
              "is another, by name in <code>subjects.csv</code>. Where no level is left free of artifacts "
              "nobody was "
              "asked about the material: &le; is the share in which some level is free, more cannot be "
@@ -335,8 +352,8 @@ std::string format_rule_certainty(const Report& report) {
       const bool stands = is_shared(finding, under) && !rests_on_untested(report.findings[c], rule);
       firm.insert(stands);
       row.insert(row.end(), {std::string(mark_verdict(finding)) + (stands ? " firm" : ""),
-                             format_bounded(under.posterior, under.free_posterior),
-                             format_bounded(under.bootstrap, under.free_bootstrap)});
+                             format_bounded(under, under.posterior, under.free_posterior),
+                             format_bounded(under, under.bootstrap, under.free_bootstrap)});
     }
     differ += firm.size() > 1 ? 1 : 0;
     table.rows.push_back(std::move(row));
@@ -346,7 +363,8 @@ std::string format_rule_certainty(const Report& report) {
   return fmt::format(
              "<p>How sure a verdict is can depend on the rule; here it does in {} columns. Firm, that is "
              "shared by at "
-             "least 95&nbsp;% of both draws and resamples, are {} of {} verdicts under <i>paper</i> and {} "
+             "least 95&nbsp;% of draws from either prior and of resamples, are {} of {} verdicts under "
+             "<i>paper</i> and {} "
              "of {} under "
              "<i>isotonic</i>. Under <i>paper</i> one level flagged by chance moves the cut; under "
              "<i>isotonic</i> it is "
@@ -357,8 +375,8 @@ std::string format_rule_certainty(const Report& report) {
 
 std::string format_trends(const Report& report) {
   if (report.trends.empty()) return "<p>No factor of this study has two levels.</p>\n";
-  Table table{{"along", "verdict", "pairs", "gained / lost", "effect", "95 % interval", "p", "p, Holm",
-               "least p, Holm"},
+  Table table{{"along", "verdict", "pairs", "objects", "gained / lost", "effect", "95 % interval", "p",
+               "p, Holm", "least p, Holm"},
               {}};
   std::string sentences;
   const std::vector<double> least = find_least_holm(report.trends);
@@ -374,7 +392,10 @@ std::string format_trends(const Report& report) {
          "equivalence at "
          "the later level only; lost, at the earlier only; effect, their difference by all pairs. p is "
          "exact, two-"
-         "sided: verdicts permuted within such a set of columns; Holm&rsquo;s allows for the number of "
+         "sided: verdicts permuted within such a set of columns, those of an object at all its VPL counts "
+         "together, since they go up and down together: so the number of objects and not of pairs says how "
+         "much "
+         "can be shown; Holm&rsquo;s allows for the number of "
          "trends; the least is what verdicts all at one end, along every trend, would give. p speaks of the "
          "columns of this study, the interval of its subjects, neither of other scenes. The interval is the "
          "effect give or take the farther end of what subjects drawn again give; a column that was dropped, "
@@ -382,7 +403,8 @@ std::string format_trends(const Report& report) {
          "such a sample would not be, counts as what takes the effect farther. A trend "
          "holds iff p by Holm is 0.05 or less and "
          "the "
-         "interval leaves out 0. From <code>trends.csv</code>.</p>\n";
+         "interval leaves out 0; fewer than six subjects have no interval. From "
+         "<code>trends.csv</code>.</p>\n";
 }
 
 std::string format_tracing(const std::vector<Report>& reports) {
@@ -399,7 +421,9 @@ std::string format_tracing(const std::vector<Report>& reports) {
       {"resampled shares and cuts, turned by one", "ee.csv, thresholds.csv",
        "answers by subject, streams <code>analysis/bootstrap/EXPERIMENT/STUDY</code> of the seed"},
       {"posterior of EE", "ee.csv",
-       "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed"},
+       "k and n, streams <code>analysis/posterior/EXPERIMENT/CELL</code> of the seed; cut off below one "
+       "half, "
+       "also <code>analysis/posterior-above-half/EXPERIMENT/CELL</code>"},
       {"trends", "trends.csv", "verdicts of ee.csv and the resamples"},
       {"dates, screens, answers to questions", "report.json (<code>participation</code>)",
        "<code>SELECT * FROM session LEFT JOIN field ON field.session = session.id WHERE kind = KIND AND "

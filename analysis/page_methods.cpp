@@ -359,16 +359,45 @@ double find_most_by_truncation(const Report& report) {
   return most;
 }
 
+struct PriorChange {
+  double change = 0;  // of the posterior of EE
+  std::string where;  // the column and the rule
+};
+
+// The column in which cutting the prior off changes the posterior of EE most, either way.
+std::optional<PriorChange> find_most_changed(const Report& report) {
+  std::optional<PriorChange> most;
+  for (std::size_t c = 0; c < report.findings.size(); ++c) {
+    for (const Rule rule : kRules) {
+      const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
+      if (!under.posterior || !under.posterior_above_half) continue;
+      const double change = *under.posterior_above_half - *under.posterior;
+      if (most && std::abs(change) <= std::abs(most->change)) continue;
+      most = {change, fmt::format("{}, {}", format_key(report.findings[c].column), format_rule(rule))};
+    }
+  }
+  return most;
+}
+
+// Of the cells of an experiment alone nothing follows for EE.
+std::string format_prior_change(const Report& report) {
+  const auto most = find_most_changed(report);
+  if (!most) return "";
+  return fmt::format(
+      " The posterior of EE stands both ways in <code>ee.csv</code>; cutting the prior off changes it by "
+      "{:+.3f} where it does most ({}).",
+      most->change, escape_xml(most->where));
+}
+
 std::string format_prior_note(const Report& report) {
   return fmt::format(
       "<p class=\"note\">Jeffreys&rsquo; prior has half its mass below one half, where no proportion correct "
       "should "
       "lie: it is kept as it is so that interval, posterior and their coverage are the known ones. Cut off "
       "below one half "
-      "it would divide P(over 75&nbsp;%) by P(over 50&nbsp;%): in these cells that adds at most {:.3f}. The "
-      "posterior of "
-      "EE would be somewhat lower.</p>\n",
-      find_most_by_truncation(report));
+      "it would divide P(over 75&nbsp;%) by P(over 50&nbsp;%): in these cells that adds at most "
+      "{:.3f}.{}</p>\n",
+      find_most_by_truncation(report), format_prior_change(report));
 }
 
 std::string format_cells(const Report& report) {

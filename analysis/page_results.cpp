@@ -26,6 +26,15 @@ std::size_t count_unasked(const Report& report) {
       }));
 }
 
+// Columns without a verdict under the page's rule, since another one left no level to ask about.
+std::size_t count_dropped(const Report& report) {
+  const auto& columns = report.uncertainty.columns;
+  return static_cast<std::size_t>(
+      std::count_if(columns.begin(), columns.end(), [&](const ColumnUncertainty& column) {
+        return column.under(report.rule).status == UncertaintyStatus::kDropped;
+      }));
+}
+
 std::string format_square(const Column& column, const RuleFinding& finding) {
   const char* sign = finding.verdict == Verdict::kExists ? "+"
                      : finding.verdict == Verdict::kNone ? "&minus;"
@@ -135,9 +144,10 @@ Table collect_verdict_differences(const Report& report) {
     const RuleFinding& paper = finding.under(Rule::kPaper);
     const RuleFinding& isotonic = finding.under(Rule::kIsotonic);
     if (paper.verdict == isotonic.verdict && paper.green == isotonic.green) continue;
-    const auto describe = [](const RuleFinding& under) {
-      return under.green.empty() ? format_verdict(under.verdict)
-                                 : fmt::format("exists, at {}", format_levels(under.green));
+    const auto describe = [&](const RuleFinding& under) {
+      if (!under.green.empty()) return fmt::format("exists, at {}", format_levels(under.green));
+      return format_verdict(under.verdict) +
+             (under.verdict == Verdict::kUntested && finding.dropped ? ", dropped by pruning" : "");
     };
     table.rows.push_back({escape_xml(format_key(finding.column)), describe(paper), describe(isotonic)});
   }
@@ -185,6 +195,13 @@ std::string format_summary(const Report& report) {
   }
   if (const auto untested = count_verdicts(report, Verdict::kUntested); untested > 0) {
     text += fmt::format(" {} {} not tested to the end.", untested, untested == 1 ? "is" : "are");
+  }
+  if (const auto dropped = count_dropped(report); dropped > 0) {
+    text += fmt::format(
+        " Of these {} {} dropped by pruning although under this rule levels are free of artifacts: nobody "
+        "was "
+        "asked about their material.",
+        dropped, dropped == 1 ? "was" : "were");
   }
   return text;
 }

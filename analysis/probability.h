@@ -42,6 +42,11 @@ std::optional<Interval> find_clopper_pearson(const Count& count, double level = 
 /// source: Brown, Cai and DasGupta 2001, section 3.2; R's qbeta(p, k + 1/2, n - k + 1/2).
 std::optional<Interval> find_jeffreys(const Count& count, double level = kIntervalLevel);
 
+/// Subjects of whom a bootstrap interval can be made: of fewer hardly any resample lies beyond its ends, so
+/// that it goes from the least to the most of what was seen, and covers far less than its level (51 % of
+/// means of two, 88 % of four).
+inline constexpr std::size_t kLeastResampled = 6;
+
 /// Share of resamples beyond either end of a bootstrap interval over so many subjects. More are left inside
 /// than `level`, so that the interval of a mean is as wide as Student's: resamples of few vary too little.
 /// source: Hesterberg 2015, What Teachers Should Know About the Bootstrap, the expanded percentile interval.

@@ -82,11 +82,12 @@ Table make_thresholds(const Report& report) {
 
 Row uncertainty_fields(const Report& report, std::size_t c) {
   const ColumnUncertainty& column = report.uncertainty.columns[c];
-  Row row{format_uncertainty_status(column.status)};
+  Row row;
   for (const Rule rule : kRules) {
     const RuleUncertainty& under = column.under(rule);
-    append(row, {format_number(under.posterior), format_number(under.bootstrap),
-                 column.status == UncertaintyStatus::kEstimated
+    append(row, {format_uncertainty_status(under.status), format_number(under.posterior),
+                 format_number(under.posterior_above_half), format_number(under.bootstrap),
+                 is_resampled(under.status)
                      ? format_int(std::ssize(under.artifact_flips) + std::ssize(under.material_flips))
                      : ""});
     for (const auto& findings : report.at_other_percents)
@@ -98,10 +99,10 @@ Row uncertainty_fields(const Report& report, std::size_t c) {
 }
 
 Table make_ee(const Report& report) {
-  Row columns{"uncertainty"};
+  Row columns;
   for (const Rule rule : kRules) {
-    for (const char* name : {"posterior", "bootstrap", "flips", "ee70", "ee80", "free_posterior",
-                             "free_bootstrap", "free_flips"})
+    for (const char* name : {"uncertainty", "posterior", "posterior_above_half", "bootstrap", "flips", "ee70",
+                             "ee80", "free_posterior", "free_bootstrap", "free_flips"})
       columns.push_back(fmt::format("{}_{}", name, format_rule(rule)));
   }
   std::vector<Row> more;
@@ -197,6 +198,7 @@ Row trend_row(const Report& report, const Trend& trend) {
           format_trend_status(trend.status),
           format_int(trend.strata),
           format_int(trend.pairs),
+          format_int(trend.clusters),
           format_int(trend.gained),
           format_int(trend.lost),
           format_number(trend.effect)};
@@ -207,8 +209,8 @@ Row trend_row(const Report& report, const Trend& trend) {
 }
 
 Table make_trends(const std::vector<Report>& reports) {
-  Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "gained", "lost",
-               "effect", "lower", "upper", "p", "p_least", "p_holm", "holds", "sentence"},
+  Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "clusters", "gained",
+               "lost", "effect", "lower", "upper", "p", "p_least", "p_holm", "holds", "sentence"},
               {}};
   for (const Report& report : reports) {
     for (const Trend& trend : report.trends) table.rows.push_back(trend_row(report, trend));

@@ -37,7 +37,8 @@ std::vector<std::uint8_t> find_combos(const std::vector<const TrialRow*>& main) 
   for (const TrialRow* trial : main) {
     const auto view = find_view(*trial);
     if (!view) return {};
-    combos.push_back(static_cast<std::uint8_t>(2 * *view + (trial->test_side == Side::kRight ? 1 : 0)));
+    combos.push_back(static_cast<std::uint8_t>(2 * *view + (trial->test_side == Side::kRight ? 1 : 0) +
+                                               (trial->answer ? 0 : kUnansweredCombo)));
   }
   return combos;
 }

@@ -33,10 +33,13 @@ struct SessionSummary {
   std::optional<double> median_response_s;  ///< from onset to press
   std::optional<double> first_half_s;       ///< median of the first half
   std::optional<double> second_half_s;      ///< median of the rest
-  /// View (high bit) and side (low bit: right) of the test picture of each main trial, in order of trial, as
-  /// the session's answers are; empty where a view is not known.
+  /// Combo of the test picture of each main trial, in order of trial, as the session's answers are, with
+  /// kUnansweredCombo added where there is no answer; empty where a view is not known.
   std::vector<std::uint8_t> combos;
 };
+
+/// A combo is view (high bit) and side (low bit: right) of a picture: 0 to 3.
+inline constexpr std::uint8_t kUnansweredCombo = 4;
 
 SessionSummary summarise_session(const SessionRow& session, const std::vector<TrialRow>& trials);
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 
+#include "analysis/permutation.h"
 #include "analysis/tables.h"
 #include "base/error.h"
 
@@ -23,6 +24,13 @@ using Places = std::vector<std::size_t>;
 struct Question {
   std::string factor, from, to;
   std::vector<Places> strata;
+  std::vector<std::size_t> objects;  // a number for each stratum: those of one object at several VPL counts
+
+  void add(const Object& object, Places places) {
+    objects.push_back(numbers.try_emplace(object, numbers.size()).first->second);
+    strata.push_back(std::move(places));
+  }
+  std::map<Object, std::size_t> numbers;
 };
 
 class Columns {
@@ -45,7 +53,7 @@ Question ask(const std::vector<ColumnFinding>& findings, const std::string& fact
              const std::vector<Level>& levels, const std::function<std::string(const Level&)>& name,
              const Get& get, const Set& set) {
   const Columns columns(findings);
-  Question question{factor, name(levels.front()), name(levels.back()), {}};
+  Question question{factor, name(levels.front()), name(levels.back()), {}, {}, {}};
   std::map<Column, Places> strata;
   for (const ColumnFinding& finding : findings) {
     if (std::find(levels.begin(), levels.end(), get(finding.column)) == levels.end()) continue;
@@ -59,7 +67,7 @@ Question ask(const std::vector<ColumnFinding>& findings, const std::string& fact
       places.push_back(columns.place_of(column));
     }
   }
-  for (auto& [key, places] : strata) question.strata.push_back(std::move(places));
+  for (auto& [key, places] : strata) question.add(key.object, std::move(places));
   return question;
 }
 
@@ -150,7 +158,7 @@ std::vector<Outcome> find_outcomes(const Places& places,
 struct Sums {
   std::int64_t gained = 0, lost = 0, pairs = 0;
   std::int64_t least = 0, most = 0;  ///< gained less lost, as open columns turn out
-  std::vector<Stratum> strata;
+  std::int64_t strata = 0;
 
   double share_of(std::int64_t sum) const { return static_cast<double>(sum) / static_cast<double>(pairs); }
 };
@@ -181,12 +189,30 @@ Sums add_up(const Question& question, const std::function<Outcome(std::size_t)>&
   for (const Places& places : question.strata) {
     const std::vector<Outcome> outcomes = find_outcomes(places, outcome_of);
     if (outcomes.size() < 2) continue;
-    sums.strata.push_back({static_cast<int>(outcomes.size()),
-                           static_cast<int>(std::count(outcomes.begin(), outcomes.end(), Outcome::kExists))});
+    ++sums.strata;
     add_pairs(sums, outcomes);
     add_bounds(sums, outcomes);
   }
   return sums;
+}
+
+// The verdicts of each object at its levels and VPL counts; of those alone that have a pair.
+std::vector<Cluster> find_clusters(const Question& question,
+                                   const std::function<Outcome(std::size_t)>& outcome_of) {
+  const auto verdict_of = [&](std::size_t place) -> std::optional<bool> {
+    if (place == kAbsent || outcome_of(place) == Outcome::kUntested) return std::nullopt;
+    return outcome_of(place) == Outcome::kExists;
+  };
+  std::vector<Cluster> clusters(question.numbers.size());
+  for (std::size_t i = 0; i < question.strata.size(); ++i) {
+    auto& levels = clusters[question.objects[i]].levels;
+    const Places& places = question.strata[i];
+    levels.resize(places.size());
+    for (std::size_t level = 0; level < places.size(); ++level)
+      levels[level].push_back(verdict_of(places[level]));
+  }
+  std::erase_if(clusters, [](const Cluster& cluster) { return !has_pairs(cluster); });
+  return clusters;
 }
 
 // EE of every resample, and of how many subjects they are. shape: resamples x columns, row by row.
@@ -218,7 +244,7 @@ Effects find_effects(const Question& question, const Redrawn& redrawn, std::size
 // itself on that side of the truth.
 std::optional<Interval> find_effect_interval(double estimate, const Effects& effects, std::size_t subjects) {
   const std::size_t count = effects.least.size();
-  if (count == 0) return std::nullopt;
+  if (count == 0 || subjects < kLeastResampled) return std::nullopt;
   const auto tail = static_cast<std::size_t>(find_bootstrap_tail(subjects) * static_cast<double>(count));
   const double reach = std::max(estimate - effects.least[tail], effects.most[count - 1 - tail] - estimate);
   return Interval{std::max(estimate - reach, -1.0), std::min(estimate + reach, 1.0)};
@@ -264,72 +290,31 @@ std::vector<Outcome> find_resampled_outcomes(const std::vector<Resampled>& resam
 
 Trend answer(const Question& question, const std::vector<ColumnFinding>& findings, Rule rule,
              const Redrawn& redrawn) {
-  const Sums sums = add_up(question, [&](std::size_t place) { return outcome_of(findings[place], rule); });
+  const auto outcome = [&](std::size_t place) { return outcome_of(findings[place], rule); };
+  const Sums sums = add_up(question, outcome);
   Trend trend;
   trend.factor = question.factor;
   trend.from = question.from;
   trend.to = question.to;
-  trend.strata = std::ssize(sums.strata);
+  trend.strata = sums.strata;
   trend.gained = sums.gained;
   trend.lost = sums.lost;
   trend.pairs = sums.pairs;
   if (sums.pairs == 0) return trend;
   trend.effect = sums.share_of(sums.gained - sums.lost);
-  trend.status = sums.gained + sums.lost == 0 ? TrendStatus::kFlat : TrendStatus::kTested;
+  trend.status = sums.gained + sums.lost == 0         ? TrendStatus::kFlat
+                 : redrawn.subjects < kLeastResampled ? TrendStatus::kTooFewSubjects
+                                                      : TrendStatus::kTested;
   trend.interval =
       find_effect_interval(*trend.effect, find_effects(question, redrawn, findings.size()), redrawn.subjects);
-  trend.p = eval_permutation_p(sums.strata, sums.gained - sums.lost);
-  trend.p_least = find_least_p(sums.strata);
+  const std::vector<Cluster> clusters = find_clusters(question, outcome);
+  trend.clusters = std::ssize(clusters);
+  trend.p = eval_permutation_p(clusters, sums.gained - sums.lost);
+  trend.p_least = find_least_p(clusters);
   return trend;
 }
 
-// Statistic of an order of ones and zeros: ones that come after zeros less zeros that come after ones. A one
-// adds the places before it less those behind it; place by place it stands there with the probability of a
-// draw from what is left. shape: by ones so far, the probability of each sum.
-std::map<std::int64_t, double> distribute(const Stratum& stratum) {
-  const auto ones = static_cast<std::size_t>(stratum.ones);
-  std::vector<std::map<std::int64_t, double>> sums(ones + 1);
-  sums[0][0] = 1;
-  for (int place = 0; place < stratum.size; ++place) {
-    std::vector<std::map<std::int64_t, double>> next(ones + 1);
-    for (std::size_t so_far = 0; so_far <= ones; ++so_far) {
-      const double one = static_cast<double>(ones - so_far) / (stratum.size - place);
-      for (const auto& [sum, p] : sums[so_far]) {
-        if (one > 0) next[so_far + 1][sum + 2 * place - (stratum.size - 1)] += p * one;
-        if (one < 1) next[so_far][sum] += p * (1 - one);
-      }
-    }
-    sums = std::move(next);
-  }
-  return sums[ones];
-}
-
 }  // namespace
-
-double eval_permutation_p(const std::vector<Stratum>& strata, std::int64_t statistic) {
-  std::map<std::int64_t, double> sum{{0, 1.0}};
-  for (const Stratum& stratum : strata) {
-    EQ_CHECK(stratum.ones >= 0 && stratum.ones <= stratum.size, stratum.ones, stratum.size);
-    std::map<std::int64_t, double> next;
-    const auto part = distribute(stratum);
-    for (const auto& [a, p] : sum) {
-      for (const auto& [b, q] : part) next[a + b] += p * q;
-    }
-    sum = std::move(next);
-  }
-  double far = 0;
-  for (const auto& [value, p] : sum) far += std::abs(value) >= std::abs(statistic) ? p : 0;
-  return std::min(far, 1.0);
-}
-
-double find_least_p(const std::vector<Stratum>& strata) {
-  double orders = 1;
-  for (const Stratum& stratum : strata) {
-    for (int i = 1; i <= stratum.size / 2; ++i)
-      orders *= static_cast<double>(stratum.size - stratum.size / 2 + i) / i;
-  }
-  return std::min(2 / orders, 1.0);
-}
 
 std::vector<double> adjust_holm(const std::vector<double>& p_values) {
   std::vector<std::size_t> order(p_values.size());
@@ -378,12 +363,12 @@ void adjust_trends(std::vector<Trend>& trends) {
 }
 
 Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule rule) {
-  Question question{"study", from.name, to.name, {}};
+  Question question{"study", from.name, to.name, {}, {}, {}};
   const Columns columns(from.findings);
   std::vector<ColumnFinding> findings = from.findings;
   for (const ColumnFinding& finding : to.findings) {
     const std::size_t place = columns.place_of(finding.column);
-    if (place != kAbsent) question.strata.push_back({place, findings.size()});
+    if (place != kAbsent) question.add(finding.column.object, {place, findings.size()});
     findings.push_back(finding);
   }
   const auto r = static_cast<std::size_t>(rule);
@@ -423,6 +408,8 @@ std::string format_trend_status(TrendStatus status) {
       return "tested";
     case TrendStatus::kFlat:
       return "flat";
+    case TrendStatus::kTooFewSubjects:
+      return "too_few_subjects";
     case TrendStatus::kNoPairs:
       break;
   }

@@ -14,8 +14,9 @@ namespace equilux {
 /// Why a trend may have no test.
 enum class TrendStatus {
   kTested,
-  kNoPairs,  ///< the study has no columns that differ in this factor alone and have a verdict
-  kFlat      ///< EE never differs between them: nothing could be seen, p is 1
+  kNoPairs,        ///< the study has no columns that differ in this factor alone and have a verdict
+  kFlat,           ///< EE never differs between them: nothing could be seen, p is 1
+  kTooFewSubjects  ///< fewer than kLeastResampled: p is of the verdicts, and there is no interval
 };
 
 /// EE along levels of one factor, everything else equal. A stratum is a set of columns that differ in that
@@ -29,11 +30,12 @@ struct Trend {
   std::int64_t gained = 0;  ///< pairs of a stratum with EE at the later level only
   std::int64_t lost = 0;    ///< with EE at the earlier level only
   std::int64_t pairs = 0;
+  std::int64_t clusters = 0;     ///< objects that the pairs are of, at one VPL count or several
   std::optional<double> effect;  ///< (gained - lost) / pairs, -1 to 1: probability that EE is won less lost
   /// Of the effect: it, give or take the farther end of the report's resamples of subjects. A column that was
   /// dropped, and in a resample would not be, counts there as what takes the effect farther.
   std::optional<Interval> interval;
-  double p = 1;        ///< two-sided, exact: EE permuted within strata
+  double p = 1;        ///< two-sided, exact: the verdicts of each object permuted together (permutation.h)
   double p_least = 1;  ///< the least p that any verdicts of these columns could give
   double p_holm = 1;   ///< the same after Holm, over the trends of a report that compare something
   bool holds = false;  ///< p_holm <= kTrendLevel and the interval leaves out 0
@@ -43,8 +45,7 @@ inline constexpr double kTrendLevel = 0.05;
 
 /// Trends along VPL counts (all, and each step), the blobs G0, G1, ... (other geometries have no order), the
 /// material steps MS-MR, MS-BS, BS-BR and BS-GS, and illumination. Columns without a verdict count in no
-/// pair. source: Jonckheere's statistic within strata, its permutation distribution by convolution; Holm
-/// 1979.
+/// pair. source: Jonckheere's statistic within strata, Holm 1979.
 std::vector<Trend> find_trends(const Study& study, const std::vector<ColumnFinding>& findings, Rule rule,
                                const Uncertainty& uncertainty);
 
@@ -62,18 +63,6 @@ Trend compare_studies(const ComparedStudy& from, const ComparedStudy& to, Rule r
 
 /// Sets p_holm and holds of trends that are read together.
 void adjust_trends(std::vector<Trend>& trends);
-
-/// P(|S| >= |statistic|) where S adds up, over strata, the later less the earlier EE of each pair, and the
-/// `ones` of `size` places with EE lie in every order equally often.
-struct Stratum {
-  int size = 0;
-  int ones = 0;
-};
-double eval_permutation_p(const std::vector<Stratum>& strata, std::int64_t statistic);
-
-/// The least that eval_permutation_p can be over all numbers and orders of ones: half of each stratum, at one
-/// end of it.
-double find_least_p(const std::vector<Stratum>& strata);
 
 /// Adjusted p-values, in the order given. source: Holm 1979; R's p.adjust(p, "holm").
 std::vector<double> adjust_holm(const std::vector<double>& p_values);

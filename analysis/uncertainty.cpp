@@ -2,7 +2,6 @@
 #include "analysis/uncertainty.h"
 
 #include <algorithm>
-#include <boost/random/beta_distribution.hpp>
 #include <cmath>
 #include <future>
 #include <map>
@@ -10,15 +9,13 @@
 #include <thread>
 #include <utility>
 
+#include "analysis/posterior.h"
 #include "analysis/probability.h"
 #include "base/error.h"
 #include "base/random.h"
 
 namespace equilux {
 namespace {
-
-// A drawn proportion as k of n of this order: products of the sums of two pools of a column stay below 2^63.
-constexpr std::int64_t kDrawScale = std::int64_t{1} << 28;
 
 // A column of one experiment whose counts can be replaced without looking for its cells again.
 struct Slots {
@@ -104,122 +101,6 @@ Thresholds judge(const ColumnSlots& column, Rule rule) {
           find_cut(column.material.counts, Experiment::kMaterial, rule)};
 }
 
-// Whether some level is free of artifacts.
-Resampled judge_free(const Threshold& artifact) {
-  if (artifact.status == CutStatus::kUntested) return Resampled::kUntested;
-  return artifact.status == CutStatus::kNone ? Resampled::kNone : Resampled::kExists;
-}
-
-Resampled judge_resample(const Thresholds& thresholds) {
-  const Resampled free = judge_free(thresholds.artifact);
-  if (free != Resampled::kExists) return free;
-  if (thresholds.material.status == CutStatus::kUntested) return Resampled::kUntested;
-  return is_any_equivalent(thresholds.artifact, thresholds.material) ? Resampled::kExists : Resampled::kNone;
-}
-
-class Share {
- public:
-  void add(Resampled verdict) {
-    all_ += verdict != Resampled::kUntested ? 1 : 0;
-    true_ += verdict == Resampled::kExists ? 1 : 0;
-  }
-  void add(const Share& other) {
-    all_ += other.all_;
-    true_ += other.true_;
-  }
-  std::optional<double> get() const {
-    if (all_ == 0) return std::nullopt;
-    return static_cast<double>(true_) / static_cast<double>(all_);
-  }
-
- private:
-  std::int64_t true_ = 0;
-  std::int64_t all_ = 0;
-};
-
-// What Boost draws from.
-class Bits {
- public:
-  using result_type = std::uint32_t;
-  explicit Bits(RandomStream stream) : stream_(stream) {}
-  static constexpr result_type min() { return 0; }
-  static constexpr result_type max() { return ~result_type{0}; }
-  result_type operator()() { return stream_.next_u32(); }
-
- private:
-  RandomStream stream_;
-};
-
-std::int64_t find_largest_n(const ColumnCounts& counts) {
-  std::int64_t largest = 1;
-  for (const LevelCount& level : counts) largest = std::max(largest, level.count.n);
-  return largest;
-}
-
-// Draws of one cell's proportion from its posterior, as counts in which n keeps its weight among the others.
-std::vector<Count> draw_cell(const Count& count, std::int64_t largest_n, const std::string& stream,
-                             const UncertaintyParams& params) {
-  Bits bits(RandomStream(params.seed, stream, 0));
-  boost::random::beta_distribution<double> posterior(static_cast<double>(count.k) + 0.5,
-                                                     static_cast<double>(count.n - count.k) + 0.5);
-  const std::int64_t n = count.n * (kDrawScale / largest_n);
-  std::vector<Count> draws(static_cast<std::size_t>(params.posterior_draws));
-  for (Count& draw : draws) draw = {std::llround(posterior(bits) * static_cast<double>(n)), n};
-  return draws;
-}
-
-// shape: one vector of draws for each tested level, its place in the counts beside it.
-using Draws = std::vector<std::pair<std::size_t, std::vector<Count>>>;
-
-Draws draw_column(const ColumnCounts& counts, Experiment experiment, const Column& column,
-                  const UncertaintyParams& params) {
-  Draws draws;
-  const std::int64_t largest_n = find_largest_n(counts);
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i].count.n == 0) continue;
-    const std::string stream = fmt::format("analysis/posterior/{}/{}-{}", format_experiment(experiment),
-                                           format_key(column), format_clamp(counts[i].level));
-    draws.emplace_back(i, draw_cell(counts[i].count, largest_n, stream, params));
-  }
-  return draws;
-}
-
-void take_draw(ColumnCounts& counts, const Draws& draws, std::size_t number) {
-  for (const auto& [place, values] : draws) counts[place].count = values[number];
-}
-
-void find_free_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots column,
-                         const UncertaintyParams& params) {
-  const Draws artifact = draw_column(column.artifact.counts, Experiment::kArtifact, name, params);
-  std::array<Share, 2> shares;
-  for (std::size_t draw = 0; draw < static_cast<std::size_t>(params.posterior_draws); ++draw) {
-    take_draw(column.artifact.counts, artifact, draw);
-    for (const Rule rule : kRules) {
-      shares[static_cast<std::size_t>(rule)].add(
-          judge_free(find_cut(column.artifact.counts, Experiment::kArtifact, rule)));
-    }
-  }
-  for (std::size_t r = 0; r < shares.size(); ++r) result.by_rule[r].free_posterior = shares[r].get();
-}
-
-void find_posterior(ColumnUncertainty& result, const Column& name, ColumnSlots column,
-                    const UncertaintyParams& params) {
-  const Draws artifact = draw_column(column.artifact.counts, Experiment::kArtifact, name, params);
-  const Draws material = draw_column(column.material.counts, Experiment::kMaterial, name, params);
-  std::array<Share, 2> shares;
-  for (std::size_t draw = 0; draw < static_cast<std::size_t>(params.posterior_draws); ++draw) {
-    take_draw(column.artifact.counts, artifact, draw);
-    take_draw(column.material.counts, material, draw);
-    for (const Rule rule : kRules) {
-      shares[static_cast<std::size_t>(rule)].add(judge_resample(judge(column, rule)));
-    }
-  }
-  for (const Rule rule : kRules) {
-    const auto r = static_cast<std::size_t>(rule);
-    result.by_rule[r].posterior = shares[r].get();
-  }
-}
-
 std::vector<std::uint32_t> draw_subjects(std::size_t subjects, const std::string& stream, int resample,
                                          std::uint64_t seed) {
   RandomStream random(seed, stream, static_cast<std::uint64_t>(resample));
@@ -266,7 +147,7 @@ void add_resample(ResampleRun& run, std::vector<ColumnSlots>& columns, const std
     for (const Rule rule : kRules) {
       const auto r = static_cast<std::size_t>(rule);
       const Thresholds thresholds = judge(columns[c], rule);
-      run.verdicts[r].push_back(judge_resample(thresholds));
+      run.verdicts[r].push_back(judge_resample(thresholds.artifact, thresholds.material));
       sums.shares[r].add(run.verdicts[r].back());
       sums.free[r].add(judge_free(thresholds.artifact));
       sums.artifact[r].add(thresholds.artifact, Experiment::kArtifact);
@@ -321,16 +202,21 @@ ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const std::str
   return all;
 }
 
-// shape: a range for each rule, in order of kRules; one subject, drawn again, has none.
+// shape: a range for each rule, in order of kRules; too few subjects, drawn again, have none.
 std::array<std::optional<CutRange>, 2> find_ranges(const std::vector<CutHistogram>& cuts,
                                                    std::size_t subjects, double level) {
-  if (subjects < 2) return {};
+  if (subjects < kLeastResampled) return {};
   const double tail = find_bootstrap_tail(subjects, level);
   std::optional<CutRange> paper = cuts[static_cast<std::size_t>(Rule::kPaper)].find_range(tail);
   const auto isotonic = cuts[static_cast<std::size_t>(Rule::kIsotonic)].find_range(tail);
   if (paper && isotonic)
     paper = {std::min(paper->lower, isotonic->lower), std::max(paper->upper, isotonic->upper)};
   return {paper, isotonic};
+}
+
+// Whether only the artifact answers say anything of EE.
+bool is_unasked(UncertaintyStatus status) {
+  return status == UncertaintyStatus::kNoCandidates || status == UncertaintyStatus::kDropped;
 }
 
 void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t artifact,
@@ -340,9 +226,9 @@ void take_sums(ColumnUncertainty& result, const ResampleSums& sums, std::size_t 
   for (std::size_t r = 0; r < result.by_rule.size(); ++r) {
     result.by_rule[r].artifact_cut = artifact_cuts[r];
     result.by_rule[r].material_cut = material_cuts[r];
-    if (result.status == UncertaintyStatus::kEstimated) result.by_rule[r].bootstrap = sums.shares[r].get();
-    if (result.status == UncertaintyStatus::kNoCandidates && artifact > 1)
-      result.by_rule[r].free_bootstrap = sums.free[r].get();
+    const UncertaintyStatus status = result.by_rule[r].status;
+    if (is_resampled(status)) result.by_rule[r].bootstrap = sums.shares[r].get();
+    if (is_unasked(status) && artifact > 1) result.by_rule[r].free_bootstrap = sums.free[r].get();
   }
 }
 
@@ -407,14 +293,15 @@ void note_flip(RuleUncertainty& under, const Person& person, const ResponseMatri
   }
 }
 
-// Notes whom the column's finding turns without: EE, or, without candidates, whether a level is free.
+// Notes whom the column's finding turns without: EE, or, where nobody was asked, whether a level is free.
 void compare_without(ColumnUncertainty& result, const ColumnSlots& without, const ColumnSlots& whole,
                      const Person& person, const ResponseMatrix& artifact, const ResponseMatrix& material) {
   for (const Rule rule : kRules) {
     RuleUncertainty& under = result.by_rule[static_cast<std::size_t>(rule)];
-    if (result.status == UncertaintyStatus::kEstimated) {
+    if (is_resampled(under.status)) {
       if (is_exists(without, rule) != is_exists(whole, rule)) note_flip(under, person, artifact, material);
-    } else if (person.artifact && is_any_free(without, rule) != is_any_free(whole, rule)) {
+    } else if (is_unasked(under.status) && person.artifact &&
+               is_any_free(without, rule) != is_any_free(whole, rule)) {
       under.free_flips.push_back(artifact.sessions[*person.artifact]);
     }
   }
@@ -429,8 +316,6 @@ void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots
     const std::vector<Count> seen_without = seen.without(person.artifact),
                              changed_without = changed.without(person.material);
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      const UncertaintyStatus status = results[c].status;
-      if (status != UncertaintyStatus::kEstimated && status != UncertaintyStatus::kNoCandidates) continue;
       columns[c].artifact.fill(seen_without);
       columns[c].material.fill(changed_without);
       compare_without(results[c], columns[c], whole[c], person, artifact, material);
@@ -445,14 +330,33 @@ void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots
   }
 }
 
-UncertaintyStatus find_status(const ColumnFinding& finding, const ColumnSlots& column, std::size_t artifact,
-                              std::size_t material) {
+UncertaintyStatus find_status(const ColumnFinding& finding, Rule rule, const ColumnSlots& column,
+                              std::size_t artifact, std::size_t material) {
   if (column.artifact.cells.empty()) return UncertaintyStatus::kUntested;
-  const bool no_level = finding.under(Rule::kPaper).artifact.status == CutStatus::kNone || finding.dropped;
   if (column.material.cells.empty()) {
-    return no_level ? UncertaintyStatus::kNoCandidates : UncertaintyStatus::kUntested;
+    if (finding.under(rule).artifact.status == CutStatus::kNone) return UncertaintyStatus::kNoCandidates;
+    return finding.dropped ? UncertaintyStatus::kDropped : UncertaintyStatus::kUntested;
   }
-  return artifact > 1 && material > 1 ? UncertaintyStatus::kEstimated : UncertaintyStatus::kOneSubject;
+  const std::size_t least = std::min(artifact, material);
+  if (least < 2) return UncertaintyStatus::kOneSubject;
+  return least < kLeastResampled ? UncertaintyStatus::kTooFewSubjects : UncertaintyStatus::kEstimated;
+}
+
+void take_posteriors(ColumnUncertainty& result, const ColumnFinding& finding, const ColumnSlots& column,
+                     const PosteriorParams& params) {
+  const auto& by_rule = result.by_rule;
+  if (std::any_of(by_rule.begin(), by_rule.end(), [](const auto& u) { return is_unasked(u.status); })) {
+    const RuleShares free = find_free_posterior(finding, params);
+    for (std::size_t r = 0; r < free.size(); ++r) {
+      if (is_unasked(by_rule[r].status)) result.by_rule[r].free_posterior = free[r];
+    }
+  }
+  if (column.artifact.cells.empty() || column.material.cells.empty()) return;
+  const EquivalencePosterior posterior = find_posterior(finding, params);
+  for (std::size_t r = 0; r < result.by_rule.size(); ++r) {
+    result.by_rule[r].posterior = posterior.jeffreys[r];
+    result.by_rule[r].posterior_above_half = posterior.above_half[r];
+  }
 }
 
 std::vector<ColumnSlots> make_column_slots(const Study& study, const std::vector<ColumnFinding>& findings,
@@ -477,11 +381,10 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
   result.columns.resize(findings.size());
   for (std::size_t c = 0; c < columns.size(); ++c) {
     ColumnUncertainty& column = result.columns[c];
-    column.status = find_status(findings[c], columns[c], artifact.subjects(), material.subjects());
-    if (column.status == UncertaintyStatus::kNoCandidates)
-      find_free_posterior(column, findings[c].column, columns[c], params);
-    if (columns[c].artifact.cells.empty() || columns[c].material.cells.empty()) continue;
-    find_posterior(column, findings[c].column, columns[c], params);
+    for (const Rule rule : kRules)
+      column.by_rule[static_cast<std::size_t>(rule)].status =
+          find_status(findings[c], rule, columns[c], artifact.subjects(), material.subjects());
+    take_posteriors(column, findings[c], columns[c], {params.seed, params.posterior_draws});
   }
   result.subjects = std::min(artifact.subjects(), material.subjects());
   ResampleRun run = resample_all(columns, study.name, artifact, material, params);
@@ -492,11 +395,8 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
   return result;
 }
 
-bool is_any_equivalent(const Threshold& artifact, const Threshold& material) {
-  for (std::size_t i = 0; i < artifact.states.size(); ++i) {
-    if (artifact.states[i] == LevelState::kSame && material.states[i] == LevelState::kSame) return true;
-  }
-  return false;
+bool is_resampled(UncertaintyStatus status) {
+  return status == UncertaintyStatus::kEstimated || status == UncertaintyStatus::kTooFewSubjects;
 }
 
 std::string format_uncertainty_status(UncertaintyStatus status) {
@@ -505,8 +405,12 @@ std::string format_uncertainty_status(UncertaintyStatus status) {
       return "estimated";
     case UncertaintyStatus::kOneSubject:
       return "one_subject";
+    case UncertaintyStatus::kTooFewSubjects:
+      return "too_few_subjects";
     case UncertaintyStatus::kNoCandidates:
       return "no_candidates";
+    case UncertaintyStatus::kDropped:
+      return "dropped";
     case UncertaintyStatus::kUntested:
       break;
   }

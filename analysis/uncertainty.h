@@ -9,6 +9,7 @@
 
 #include "analysis/equivalence.h"
 #include "analysis/probability.h"
+#include "analysis/resampled.h"
 #include "analysis/response_matrix.h"
 
 namespace equilux {
@@ -22,9 +23,10 @@ struct UncertaintyParams {
   double level = kIntervalLevel;  ///< of ranges of cuts
 };
 
-/// Where a cut lies in all resamples but find_bootstrap_tail at either end, as places on the scale of clamp
-/// levels. Under `paper` it is widened to the range under `isotonic`: of many levels near the cut that rule
-/// takes the outermost that chance flags, and of a resample's again, so that its own range drifts outwards.
+/// Of kLeastResampled subjects or more. Where a cut lies in all resamples but find_bootstrap_tail at either
+/// end, as places on the scale of clamp levels. Under `paper` it is widened to the range under `isotonic`: of
+/// many levels near the cut that rule takes the outermost that chance flags, and of a resample's again, so
+/// that its own range drifts outwards.
 struct CutRange {
   int lower = 0;  ///< a clamp level; -1: no level, before the first one (material). A material threshold
                   ///< below all tested levels may lie from there up to the level before them
@@ -32,18 +34,24 @@ struct CutRange {
   bool operator==(const CutRange&) const = default;
 };
 
-/// Why a column's uncertainty may be missing.
+/// Why a column's uncertainty under a rule may be missing.
 enum class UncertaintyStatus {
   kEstimated,
-  kUntested,      ///< an experiment has no answers in this column
-  kOneSubject,    ///< one subject answered: drawing it again says nothing; only the posterior is given
-  kNoCandidates,  ///< every tested level has artifacts or the selection dropped the column: EE is false, and
-                  ///< nobody was asked about the material
+  kUntested,        ///< an experiment has no answers in this column
+  kOneSubject,      ///< one subject answered: drawing it again says nothing; only the posterior is given
+  kTooFewSubjects,  ///< fewer than kLeastResampled in an experiment: shares and flips, but no range of its
+                    ///< cuts
+  kNoCandidates,  ///< every tested level has artifacts: EE is false, and nobody was asked about the material
+  kDropped,       ///< the selection dropped the column, by another rule: under this one levels are free, and
+                  ///< nobody was asked about their material. EE is untested.
 };
 
 /// Under one rule.
 struct RuleUncertainty {
+  UncertaintyStatus status = UncertaintyStatus::kUntested;
   std::optional<double> posterior;  ///< probability of EE, the cells' proportions drawn from their posteriors
+  /// The same with Jeffreys' prior cut off below one half, where no proportion correct can lie.
+  std::optional<double> posterior_above_half;
   std::optional<double> bootstrap;  ///< share of resamples in which EE is true
   std::optional<CutRange> artifact_cut;
   std::optional<CutRange> material_cut;
@@ -51,8 +59,8 @@ struct RuleUncertainty {
   /// left out of both. shape: ResponseMatrix::sessions, sorted.
   std::vector<std::int64_t> artifact_flips;
   std::vector<std::int64_t> material_flips;  ///< of those who have a material session alone, by that
-  /// Of a column without candidates: that some level is free of artifacts, as EE needs, by its artifact
-  /// answers alone. EE is no more probable than that. Posterior probability and share of resamples.
+  /// Of a column with kNoCandidates or kDropped: that some level is free of artifacts, as EE needs, by its
+  /// artifact answers alone. EE is no more probable than that. Posterior probability and share of resamples.
   std::optional<double> free_posterior;
   std::optional<double> free_bootstrap;
   /// The same column's persons without whom one is free if none was, or none if one was; as artifact_flips.
@@ -60,17 +68,9 @@ struct RuleUncertainty {
 };
 
 struct ColumnUncertainty {
-  UncertaintyStatus status = UncertaintyStatus::kUntested;
   std::array<RuleUncertainty, 2> by_rule;  ///< shape: in order of kRules
 
   const RuleUncertainty& under(Rule rule) const { return by_rule[static_cast<std::size_t>(rule)]; }
-};
-
-/// EE of a column in a resample.
-enum class Resampled : std::uint8_t {
-  kNone,  ///< also where no level is free of artifacts, whatever the material answers
-  kExists,
-  kUntested  ///< a level may be free of artifacts, and nobody was asked about the material
 };
 
 struct Uncertainty {
@@ -90,8 +90,8 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
                              const ResponseMatrix& artifact, const ResponseMatrix& material,
                              const UncertaintyParams& params);
 
-/// True iff some level is free of artifacts and of the same material.
-bool is_any_equivalent(const Threshold& artifact, const Threshold& material);
+/// Whether subjects could be drawn again and left out: bootstrap and flips are given.
+bool is_resampled(UncertaintyStatus status);
 
 std::string format_uncertainty_status(UncertaintyStatus status);
 

@@ -55,7 +55,8 @@ compare_cells <- function(answers, cells) {
 # Centred, and scaled to a standard deviation of one: coefficients are for one standard deviation of clamp level or log10 of VPLs.
 standardise <- function(values) if (length(unique(values)) > 1) as.vector(scale(values)) else values * 0
 
-# What is tried in turn: the mixed model by several optimisers, and last a model of fixed effects, without subjects.
+# What is tried in turn: the mixed model by Laplace's approximation, by two optimisers; then with nAGQ = 0, which sets fixed effects and
+# subjects in one step and is no maximum of the likelihood; and last a model of fixed effects, without subjects.
 make_attempts <- function(terms, rows) {
   fixed <- paste("correct ~", paste(terms, collapse = " + "))
   mixed <- as.formula(paste(fixed, "+ (1 | participant)"))
@@ -68,8 +69,10 @@ make_attempts <- function(terms, rows) {
     glm(as.formula(fixed), data = rows, family = link, control = glm.control(maxit = 200),
         mustart = ifelse(rows$correct == 1, 0.9, 0.6))
   }
-  list("mixed model, bobyqa" = fit_mixed("bobyqa", 0), "mixed model, Nelder-Mead" = fit_mixed("Nelder_Mead", 0),
-       "mixed model, Laplace, bobyqa" = fit_mixed("bobyqa", 1),
+  list("mixed model, Laplace, bobyqa" = fit_mixed("bobyqa", 1),
+       "mixed model, Laplace, Nelder-Mead" = fit_mixed("Nelder_Mead", 1),
+       "mixed model, FALLBACK nAGQ = 0 (no maximum likelihood), bobyqa" = fit_mixed("bobyqa", 0),
+       "mixed model, FALLBACK nAGQ = 0 (no maximum likelihood), Nelder-Mead" = fit_mixed("Nelder_Mead", 0),
        "FIXED EFFECTS ALONE, no term for subjects" = fit_fixed)
 }
 
@@ -84,6 +87,47 @@ try_fit <- function(attempt) {
     error = function(e) conditionMessage(e))
   if (!is.character(fit) && any(!is.finite(fitted(fit)))) fit <- "fitted proportions are not finite"
   list(fit = fit, warnings = unique(warnings))
+}
+
+# On the scale of the link, where the coefficients are: what one subject differs from another by.
+print_subjects <- function(fit, label) {
+  if (!inherits(fit, "merMod")) return(invisible(NULL))
+  cat(sprintf("standard deviation of subjects, %s: %.4f on the scale of the link\n", label,
+              attr(VarCorr(fit)$participant, "stddev")))
+}
+
+# Probabilities of 0, 1, ... right among independent answers of these probabilities.
+distribute_right <- function(probabilities) {
+  density <- 1
+  for (p in probabilities) density <- c(density * (1 - p), 0) + c(0, density * p)
+  density
+}
+
+# Twice the smaller tail of the number of right answers, exact.
+eval_tail <- function(right, probabilities) {
+  density <- distribute_right(probabilities)
+  counts <- seq_along(density) - 1
+  min(1, 2 * min(sum(density[counts <= right]), sum(density[counts >= right])))
+}
+
+# Levels whose number of right answers lies farther from the fitted probabilities than chance takes it: two-sided exact p, after Holm over
+# the levels, of 0.05 or less.
+compare_levels <- function(rows, probabilities, label) {
+  right <- tapply(rows$correct, rows$clamp_level, sum)
+  expected <- tapply(probabilities, rows$clamp_level, sum)
+  spread <- sqrt(tapply(probabilities * (1 - probabilities), rows$clamp_level, sum))
+  z <- ifelse(abs(right - expected) < 1e-6, 0, (right - expected) / spread)
+  by_level <- split(probabilities, rows$clamp_level)
+  p <- p.adjust(mapply(eval_tail, right[names(by_level)], by_level), "holm")
+  cat("proportion correct by clamp level, observed and fitted, and their difference in standard errors:\n")
+  n <- tapply(rows$correct, rows$clamp_level, length)
+  print(round(rbind(observed = right / n, fitted = expected / n, z = z), 3))
+  differ <- p <= 0.05
+  if (!any(differ)) cat(sprintf("levels, %s: at none do observed and fitted differ by more than chance\n", label))
+  for (level in names(p)[differ]) {
+    cat(sprintf("levels, %s: at C%s observed %.3f and fitted %.3f DIFFER by more than chance (p by Holm %.2g)\n", label, level,
+                right[level] / n[level], expected[level] / n[level], p[level]))
+  }
 }
 
 # Proportion correct falls with clamp for artifacts and rises for material, from one half up to one; subjects differ in
@@ -113,10 +157,8 @@ fit_experiment <- function(answers, label) {
     cat("warning: answers are parted by a step (separation): coefficients have no finite estimate, fitted proportions do\n")
   }
   for (text in result$warnings) cat("warning:", text, "\n")
-  fitted_by_level <- tapply(fitted(fit), rows$clamp_level, mean)
-  observed <- tapply(rows$correct, rows$clamp_level, mean)
-  cat("proportion correct by clamp level, observed and fitted:\n")
-  print(round(rbind(observed, fitted = fitted_by_level), 3))
+  print_subjects(fit, label)
+  compare_levels(rows, fitted(fit), label)
   cat(sprintf("overall %s: observed %.4f, fitted %.4f\n", label, mean(rows$correct), mean(fitted(fit))))
 }
 

@@ -26,7 +26,7 @@ ExperimentEvidence make_scheduled(int subjects, const std::function<void(int, Tr
     for (TrialRow& trial : trials) {
       trial.answer = trial.test_side;
       if (change) change(i, trial);
-      evidence.answers.push_back({row.id, i, trial.cell, true});
+      if (trial.answer) evidence.answers.push_back({row.id, i, trial.cell, true});
     }
     evidence.finished.push_back(row);
     evidence.summaries.push_back(summarise_session(row, trials));
@@ -57,6 +57,20 @@ TEST(Balance, sees_one_picture_on_the_wrong_side) {
   EXPECT_EQ(balance.sessions.over, 1U);
   EXPECT_EQ(balance.cells.largest, 2);
   EXPECT_EQ(balance.cells.over, 1U);
+}
+
+// One trial in the middle of the second of four sessions: its cell has an answer less of one combination, and
+// nothing else changes.
+TEST(Balance, leaves_out_a_trial_without_an_answer_and_keeps_the_others_in_their_cells) {
+  const Balance whole = find_balance(make_scheduled(4));
+  const Balance balance = find_balance(make_scheduled(4, [](int session, TrialRow& trial) {
+    if (session == 1 && trial.number == 9) trial.answer.reset();
+  }));
+  EXPECT_EQ(balance.sessions.measured, 4U);
+  EXPECT_EQ(balance.sessions.largest, whole.sessions.largest) << "it was shown all the same";
+  EXPECT_EQ(whole.cells.largest, 0);
+  EXPECT_EQ(balance.cells.largest, 1);
+  EXPECT_EQ(balance.cells.over, 0U);
 }
 
 TEST(Balance, of_sessions_whose_views_are_not_known_is_not_measured) {

@@ -53,7 +53,9 @@ TEST(R, agrees_with_every_cell_and_fits_a_mixed_model) {
   const ChildResult result = run_script(folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   for (const char* words : {"q  ", "Clopper-Pearson, upper", "pocket artifact: 384 answers, 12 subjects",
-                            "distance", "overall pocket material"}) {
+                            "distance", "overall pocket material", "fitted pocket artifact: mixed model, Laplace",
+                            "standard deviation of subjects, pocket artifact: ", "levels, pocket artifact: ",
+                            "levels, pocket material: "}) {
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
   }
   // The mutant: one more correct in a cell.

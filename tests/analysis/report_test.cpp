@@ -329,6 +329,25 @@ TEST(Report, prints_cuts_below_the_tested_levels_and_bounds_where_nobody_was_ask
   EXPECT_TRUE(has(dropped, "no level is left free of artifacts</td>"));
 }
 
+// C7 to C9 look free and C10 does not: pruned by `paper`, and read under `isotonic`, which pools them.
+TEST(Report, tells_a_column_that_the_other_rule_dropped_as_untested) {
+  PlantedStudy planted = answer_column({{7, 0}, {8, 0}, {9, 0}, {10, 9}}, {});
+  planted.selection = make_selection(planted.study, tally_answers(planted.artifact, planted.study),
+                                     SubjectKind::kPlanted, Rule::kPaper, std::string(64, 'a'));
+  const Report report = make_planted_report(planted, SubjectKind::kPlanted, Rule::kIsotonic);
+  const std::string page = format_page({report});
+  EXPECT_TRUE(has(page, "dropped by pruning; under isotonic levels are free, nobody was asked</td>"));
+  EXPECT_TRUE(has(page, "Of these 1 was dropped by pruning although under this rule levels are free"));
+  EXPECT_TRUE(has(page, "<td>none</td><td>untested, dropped by pruning</td>"));
+  EXPECT_FALSE(has(page, "Both rules find the same equivalent levels"));
+  EXPECT_FALSE(has(page, "&le; 1.00"));
+  const std::string ee = make_report_files({report}).at("ee.csv");
+  EXPECT_TRUE(has(ee, ",false,,none,,,untested,,,true,no_candidates,")) << ee;
+  const std::string paper = format_page({make_planted_report(planted)});
+  EXPECT_TRUE(has(paper, "no level is left free of artifacts</td>"));
+  EXPECT_FALSE(has(paper, "dropped by pruning although"));
+}
+
 TEST(Report, warns_of_a_selection_that_is_missing_or_another_than_the_sessions_used) {
   const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
   Report report = make_planted_report(planted);
@@ -487,14 +506,17 @@ TEST(Report, claims_no_more_than_was_shown) {
   EXPECT_TRUE(has(half, "the rules agree on every artifact cut"));
 }
 
-// Two trends of four pairs each: at best 2 / 2^4, twice that by Holm.
+// Two trends of four pairs each, of four objects along VPL counts and of two (a material each) along
+// geometries: at best 2 / 2^4 and 2 / 2^2, the first twice that by Holm.
 TEST(Report, says_which_trends_no_answers_could_show) {
   const Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
   ASSERT_EQ(report.trends.size(), 2U);
-  for (const Trend& trend : report.trends) EXPECT_EQ(trend.p_least, 0.125);
+  EXPECT_EQ(report.trends[0].p_least, 0.125);
+  EXPECT_EQ(report.trends[1].p_least, 0.5);
   const std::string page = format_page({report});
   EXPECT_TRUE(has(page, "2 of the 2 trends that are asked for could not be shown whatever the answers"));
   EXPECT_TRUE(has(page, "<td class=\"number\">0.2500</td></tr>"));
+  EXPECT_TRUE(has(page, "<td class=\"number\">0.5000</td></tr>"));
   EXPECT_FALSE(has(format_page({make_planted_report(make_planted_study("paper", 12, 14, 1, 0.02))}),
                    "could not be shown"));
 }

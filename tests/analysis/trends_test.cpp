@@ -19,54 +19,6 @@ TEST(Holm, adjusts_as_R_does) {
   EXPECT_EQ(adjust_holm({0.7, 0.7}), (std::vector<double>{1, 1}));
 }
 
-// R: binom.test(9, 10)$p.value is 22 / 1024; ties, two alike in a pair, tell nothing.
-TEST(PermutationTest, of_pairs_is_the_sign_test) {
-  std::vector<Stratum> pairs(10, {2, 1});
-  EXPECT_DOUBLE_EQ(eval_permutation_p(pairs, 8), 22.0 / 1024);
-  pairs.insert(pairs.end(), {{2, 0}, {2, 2}, {2, 2}});
-  EXPECT_DOUBLE_EQ(eval_permutation_p(pairs, 8), 22.0 / 1024);
-}
-
-// Three places with one 1 each: S is -2, 0 or 2, equally often.
-TEST(PermutationTest, of_triples_is_as_counted_by_hand) {
-  EXPECT_DOUBLE_EQ(eval_permutation_p({{3, 1}}, 2), 2.0 / 3);
-  EXPECT_DOUBLE_EQ(eval_permutation_p({{3, 1}, {3, 2}}, 4), 2.0 / 9);
-  EXPECT_DOUBLE_EQ(eval_permutation_p({{3, 1}, {3, 2}}, 0), 1.0);
-}
-
-TEST(PermutationTest, without_anything_that_differs_has_p_one) {
-  EXPECT_EQ(eval_permutation_p({}, 0), 1);
-  EXPECT_EQ(eval_permutation_p({{3, 0}, {3, 3}, {2, 2}}, 0), 1);
-}
-
-// One 1 in 24 places is at each equally often: S is 2 place - 23, and |S| >= 21 at four of them. Two 1s in 30
-// are at the last two with S = 29 + 27, and of C(30, 2) = 435 orders two are as far from 0.
-TEST(PermutationTest, knows_strata_of_any_size) {
-  EXPECT_NEAR(eval_permutation_p({{24, 1}}, 21), 4.0 / 24, 1e-15);
-  EXPECT_NEAR(eval_permutation_p({{30, 2}}, 56), 2.0 / 435, 1e-15);
-  EXPECT_NEAR(eval_permutation_p({{30, 28}}, -56), 2.0 / 435, 1e-15);
-}
-
-// 2,000 studies without a trend, seeds 1..2000, eight strata of three: p <= .05 in at most 5 % (exact tests
-// are conservative), three standard errors allowed.
-TEST(PermutationTest, rejects_no_more_often_than_its_level) {
-  int rejected = 0;
-  for (std::uint64_t seed = 1; seed <= 2000; ++seed) {
-    RandomStream random(seed, "no trend", 0);
-    std::vector<Stratum> strata;
-    std::int64_t statistic = 0;
-    for (int s = 0; s < 8; ++s) {
-      int y[3];
-      for (int& value : y) value = static_cast<int>(random.next_below(2));
-      strata.push_back({3, y[0] + y[1] + y[2]});
-      statistic += 2 * (y[2] - y[0]);
-    }
-    rejected += eval_permutation_p(strata, statistic) <= 0.05 ? 1 : 0;
-  }
-  EXPECT_LE(rejected, 2000 * 0.05 + 3 * std::sqrt(2000 * 0.05 * 0.95));
-  EXPECT_GT(rejected, 20) << "a test that never rejects";
-}
-
 struct Case {
   Study study;
   std::vector<ColumnFinding> findings;
@@ -104,6 +56,7 @@ TEST(Trends, of_the_paper_are_asked_along_counts_geometries_materials_and_illumi
   const Trend& counts = find_trend(trends, "1k", "5M");
   EXPECT_EQ(counts.strata, 40);
   EXPECT_EQ(counts.pairs, 120);
+  EXPECT_EQ(counts.clusters, 40);
   EXPECT_EQ(counts.gained, 80);
   EXPECT_EQ(counts.lost, 0);
   EXPECT_TRUE(counts.holds);
@@ -125,9 +78,52 @@ TEST(Trends, of_a_material_step_are_lost_where_the_later_material_loses) {
   const Trend& step = find_trend(trends, "MS", "MR");
   EXPECT_EQ(step.lost, 24);
   EXPECT_EQ(*step.effect, -1);
-  EXPECT_NEAR(step.p, std::ldexp(1.0, -23), 1e-18);
-  EXPECT_TRUE(step.holds);
-  EXPECT_TRUE(describe_trend(step).find("less often") != std::string::npos);
+  EXPECT_EQ(step.clusters, 8) << "four geometries in two illuminations, each at three VPL counts";
+  EXPECT_NEAR(step.p, std::ldexp(1.0, -7), 1e-15);
+  EXPECT_NEAR(step.p_least, std::ldexp(1.0, -7), 1e-15);
+  EXPECT_NEAR(step.p_holm, 9 * std::ldexp(1.0, -7), 1e-15) << "of nine trends";
+  EXPECT_FALSE(step.holds);
+}
+
+TEST(Trends, that_hold_are_said_to_be_more_often_or_less_often) {
+  for (const bool more : {true, false}) {
+    const Case made =
+        make_case("paper", [&](const Column& column) { return (column.vpl_count > 1000) == more; });
+    const auto trends = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+    const Trend& step = find_trend(trends, "1k", "100k");
+    EXPECT_TRUE(step.holds);
+    EXPECT_NE(describe_trend(step).find(more ? "more often" : "less often"), std::string::npos);
+  }
+}
+
+// Five subjects: the same verdicts and p, and nothing that holds.
+TEST(Trends, of_too_few_subjects_have_no_interval) {
+  Case made = make_case("paper", [](const Column& column) { return column.vpl_count > 1000; });
+  made.uncertainty.subjects = 5;
+  const auto trends = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+  const Trend& step = find_trend(trends, "1k", "100k");
+  EXPECT_EQ(step.status, TrendStatus::kTooFewSubjects);
+  EXPECT_FALSE(step.interval);
+  EXPECT_FALSE(step.holds);
+  EXPECT_LT(step.p_holm, 0.001);
+  made.uncertainty.subjects = 6;
+  const auto enough = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+  EXPECT_TRUE(find_trend(enough, "1k", "100k").holds);
+}
+
+// Of every object of the later material one VPL count has no verdict, of those of G0 none: a pair is left
+// out, and an object without pairs.
+TEST(Trends, count_the_objects_that_have_a_pair) {
+  Case made = make_case("paper", [](const Column& column) { return column.object.material == "MS"; });
+  for (ColumnFinding& finding : made.findings) {
+    const bool is_gone = finding.column.object.geometry == "G0" || finding.column.vpl_count == 1000;
+    if (finding.column.object.material == "MR" && is_gone) finding.by_rule[0].verdict = Verdict::kUntested;
+  }
+  const auto trends = find_trends(made.study, made.findings, Rule::kPaper, made.uncertainty);
+  const Trend& step = find_trend(trends, "MS", "MR");
+  EXPECT_EQ(step.pairs, 12);
+  EXPECT_EQ(step.clusters, 6);
+  EXPECT_NEAR(step.p, std::ldexp(1.0, -5), 1e-15);
 }
 
 TEST(Trends, without_verdicts_have_no_pairs_and_no_number_that_is_not_finite) {
@@ -186,8 +182,10 @@ TEST(Trends, from_plain_to_normalised_pair_the_columns_that_both_have) {
   EXPECT_EQ(trend.gained, 12);
   EXPECT_EQ(trend.effect, 1);
   EXPECT_EQ(trend.interval, (Interval{1, 1}));
-  EXPECT_NEAR(trend.p, std::ldexp(1.0, -11), 1e-15);
-  EXPECT_TRUE(trend.holds);
+  EXPECT_EQ(trend.clusters, 4);
+  EXPECT_NEAR(trend.p, std::ldexp(1.0, -3), 1e-15) << "four objects: no verdicts could give less";
+  EXPECT_EQ(trend.p_least, trend.p);
+  EXPECT_FALSE(trend.holds);
   const Case other = make_case("pocket", [](const Column&) { return true; });
   EXPECT_EQ(compare_studies({"pocket", other.findings, other.uncertainty},
                             {"normalisation", normalised.findings, normalised.uncertainty}, Rule::kPaper)
@@ -287,24 +285,6 @@ TEST(Trends, do_not_hold_where_there_are_no_other_subjects) {
     EXPECT_FALSE(trend.interval);
     EXPECT_FALSE(trend.holds);
   }
-}
-
-// Against every number and order of ones.
-TEST(PermutationTest, has_no_p_below_the_least_one) {
-  for (const std::vector<int>& sizes : std::vector<std::vector<int>>{{2, 2, 2, 2}, {3}, {4, 3}, {5, 2, 3}}) {
-    std::vector<Stratum> strata;
-    for (const int size : sizes) strata.push_back({size, 0});
-    double least = 1;
-    for (std::size_t turn = 0; turn < strata.size();) {
-      std::int64_t farthest = 0;
-      for (const Stratum& stratum : strata) farthest += stratum.ones * (stratum.size - stratum.ones);
-      least = std::min(least, eval_permutation_p(strata, farthest));
-      for (turn = 0; turn < strata.size() && ++strata[turn].ones > strata[turn].size; ++turn)
-        strata[turn].ones = 0;
-    }
-    EXPECT_NEAR(find_least_p(strata), least, 1e-12) << sizes.size();
-  }
-  EXPECT_EQ(find_least_p({}), 1);
 }
 
 }  // namespace
