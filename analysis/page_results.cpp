@@ -57,7 +57,7 @@ std::string format_object_graph(const Report& report, const Object& object) {
   const auto columns = findings_of(report.findings, object);
   const std::size_t materials = enumerate_materials(report.study).size();
   const double scale = materials > 5 ? 0.8 : materials > 3 ? 1 : 1.5;
-  return columns.empty() ? "" : draw_graph(object, columns, report.rule, scale, report.study.name);
+  return columns.empty() ? "" : draw_graph(object, columns, report.rule, {scale, report.study.name});
 }
 
 // A row for each geometry, a column for each material, as in the paper's Figure 4.

@@ -487,8 +487,8 @@ ReportFiles make_report_files(const std::vector<Report>& reports) {
   for (const Report& report : reports) {
     const std::string study = reports.size() > 1 ? report.study.name + "-" : "";
     for (const Object& object : enumerate_objects(report.study)) {
-      files[fmt::format("graph-{}{}.svg", study, format_key(object))] =
-          draw_graph(object, findings_of(report.findings, object), report.rule);
+      files[fmt::format("graph-{}{}.svg", study, format_key(object))] = draw_lone_graph(
+          object, findings_of(report.findings, object), report.rule, report.study.name, report.evidence.kind);
     }
   }
   files[kReportPage] = format_page(reports);

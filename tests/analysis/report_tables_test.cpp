@@ -492,6 +492,55 @@ TEST_F(Folders, make_a_figure_for_each_illumination_and_one_of_plain_above_norma
   EXPECT_NE(text.find("set output 'it''s.pdf'"), std::string::npos);
 }
 
+std::size_t count_parts(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// What follows the line that opens a block of cells with this drawing in the panel: its rows.
+std::size_t count_cells(const std::string& text, const std::string& label) {
+  std::size_t count = 0;
+  for (auto at = text.find(", $b"); at != std::string::npos; at = text.find(", $b", at + 1)) {
+    const std::string block = text.substr(at + 2, text.find(' ', at + 2) - at - 2);
+    if (!text.substr(at).starts_with(", " + block + " using 1:2:('" + label + "')")) continue;
+    const auto begin = text.rfind(block + " << EOD\n", at);
+    count += count_parts(text.substr(begin, text.find("\nEOD", begin) - begin), " 0.5 0.5");
+  }
+  return count;
+}
+
+// Of each E and (E): whether both experiments were asked there; and of each frame: whether it is supported.
+TEST_F(Folders, make_figures_that_say_whose_answers_they_show_and_tell_tested_levels_from_inferred_ones) {
+  auto reports = load({"a"});
+  std::size_t asked = 0, inferred = 0, supported = 0;
+  for (const ColumnFinding& column : reports[0].findings) {
+    const RuleFinding& under = column.under(Rule::kPaper);
+    supported += under.supported.size();
+    for (const int level : under.green) {
+      const auto i = static_cast<std::size_t>(level);
+      ++(column.artifact[i].count.n > 0 && column.material[i].count.n > 0 ? asked : inferred);
+    }
+  }
+  ASSERT_GT(asked, 0U);
+  ASSERT_GT(inferred, 0U);
+  ASSERT_GT(supported, 0U);
+  const auto format = [&] {
+    return format_figure(make_figures(reports)[0], Rule::kPaper, FigureFormat::kSvg, "x.svg");
+  };
+  const std::string text = format();
+  EXPECT_EQ(count_cells(text, "E"), asked);
+  EXPECT_EQ(count_cells(text, "(E)"), inferred);
+  EXPECT_EQ(count_parts(text, " 0.42 0.40\n"), supported);
+  EXPECT_NE(text.find("PLANTED SUBJECTS"), std::string::npos);
+  EXPECT_NE(text.find("rule paper"), std::string::npos);
+  EXPECT_EQ(count_parts(text, "set xlabel 'VPLs'"), 4U);
+  EXPECT_EQ(count_parts(text, "set ylabel 'clamp level, C10 most clamped'"), 4U);
+  reports[0].evidence.kind = SubjectKind::kPerson;
+  EXPECT_EQ(format().find("PLANTED"), std::string::npos);
+  EXPECT_NE(format().find("answers of persons"), std::string::npos);
+}
+
 // A normalised study of the name of an illumination.
 TEST_F(Folders, make_no_two_figures_of_one_name) {
   auto reports = load({"n"});
