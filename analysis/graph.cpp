@@ -149,16 +149,18 @@ std::string open_svg(int width, int height, double scale, const std::string& lab
       width, height, width * scale, height * scale, escape_xml(label));
 }
 
-std::string describe_cut(const char* name, const Threshold& threshold) {
-  return fmt::format("{} cut {} ({})", name, format_cut(threshold), format_status(threshold.status));
+std::string describe_cut(Experiment experiment, const Threshold& threshold, const ColumnCounts& counts) {
+  return fmt::format("{} cut {} ({})", format_experiment(experiment), format_cut(threshold),
+                     describe_status(threshold, experiment, counts));
 }
 
 // The count below a column, with its cuts where the pointer rests.
 std::string draw_count(const ColumnFinding& column, const RuleFinding& finding, double x, double y,
                        const char* mark) {
   const std::string title =
-      fmt::format("{}: {}; {}", format_key(column.column), describe_cut("artifact", finding.artifact),
-                  describe_cut("material", finding.material));
+      fmt::format("{}: {}; {}", format_key(column.column),
+                  describe_cut(Experiment::kArtifact, finding.artifact, column.artifact),
+                  describe_cut(Experiment::kMaterial, finding.material, column.material));
   return fmt::format("<g><title>{}</title>\n", escape_xml(title)) +
          draw_text(x, y, "middle", 9, format_vpl_count(column.column.vpl_count) + mark) + "</g>\n";
 }

@@ -217,8 +217,11 @@ void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experi
   std::int64_t answered = 0;
   for (const SessionSummary& summary : evidence.summaries)
     answered += summary.complete ? 0 : summary.answered;
-  report.warnings.push_back(fmt::format("{} {} sessions were not finished: their {} answers are left out.",
-                                        evidence.unfinished, format_experiment(experiment), answered));
+  const std::int64_t ended = count_ended_early(evidence);
+  report.warnings.push_back(fmt::format(
+      "{} {} sessions were not finished ({} ended early by the experimenter, {} left unfinished): "
+      "their {} answers are left out.",
+      evidence.unfinished, format_experiment(experiment), ended, evidence.unfinished - ended, answered));
 }
 
 void warn_of_unanswered(Report& report, const ExperimentEvidence& evidence, Experiment experiment) {
