@@ -57,9 +57,13 @@ TEST(R, agrees_with_every_cell_and_fits_a_mixed_model) {
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
   }
   // The mutant: one more correct in a cell.
+  const auto place_of = [&](const char* column) {
+    return static_cast<std::size_t>(std::ranges::find(cells.columns, column) - cells.columns.begin());
+  };
+  const std::size_t k = place_of("k"), n = place_of("n");
   for (auto& row : cells.rows) {
-    if (row[8] != "0" && row[7] != row[8]) {
-      row[7] = fmt::format("{}", std::stoi(row[7]) + 1);
+    if (row.at(n) != "0" && row.at(k) != row.at(n)) {
+      row[k] = fmt::format("{}", std::stoi(row[k]) + 1);
       break;
     }
   }
