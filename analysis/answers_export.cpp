@@ -11,10 +11,11 @@ namespace {
 
 using Row = std::vector<std::string>;
 
-Row answer_row(const std::string& study, Experiment experiment, const std::string& participant,
-               const AnswerRow& answer) {
+Row answer_row(const std::string& study, SubjectKind kind, Experiment experiment,
+               const std::string& participant, const AnswerRow& answer) {
   const Object& object = answer.cell.column.object;
   return {study,
+          format_kind(kind),
           format_experiment(experiment),
           fmt::format("{}", answer.session),
           participant,
@@ -27,8 +28,8 @@ Row answer_row(const std::string& study, Experiment experiment, const std::strin
           answer.correct ? "1" : "0"};
 }
 
-void add_rows(Table& table, const std::string& study, Experiment experiment,
-              const ExperimentEvidence& evidence) {
+void add_rows(Table& table, const Report& report, Experiment experiment) {
+  const ExperimentEvidence& evidence = report.evidence.of(experiment);
   std::map<std::int64_t, std::string> participants;
   for (const SessionRow& session : evidence.finished) participants[session.id] = session.participant;
   std::vector<const AnswerRow*> sorted;
@@ -37,18 +38,19 @@ void add_rows(Table& table, const std::string& study, Experiment experiment,
     return std::tie(a->session, a->cell) < std::tie(b->session, b->cell);
   });
   for (const AnswerRow* answer : sorted)
-    table.rows.push_back(answer_row(study, experiment, participants[answer->session], *answer));
+    table.rows.push_back(answer_row(report.study.name, report.evidence.kind, experiment,
+                                    participants[answer->session], *answer));
 }
 
 }  // namespace
 
 Table make_answers_table(const std::vector<Report>& reports) {
-  Table table{{"study", "experiment", "session", "participant", "geometry", "material", "illumination",
-               "vpls", "clamp", "clamp_level", "correct"},
+  Table table{{"study", "kind", "experiment", "session", "participant", "geometry", "material",
+               "illumination", "vpls", "clamp", "clamp_level", "correct"},
               {}};
   for (const Report& report : reports) {
-    add_rows(table, report.study.name, Experiment::kArtifact, report.evidence.artifact);
-    add_rows(table, report.study.name, Experiment::kMaterial, report.evidence.material);
+    add_rows(table, report, Experiment::kArtifact);
+    add_rows(table, report, Experiment::kMaterial);
   }
   return table;
 }

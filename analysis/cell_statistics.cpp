@@ -1,6 +1,7 @@
 // Counts to estimates; those of equal counts are computed once.
 #include "analysis/cell_statistics.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,17 @@ std::map<Cell, CellStatistics> find_cell_statistics(const Tally& tally) {
   }
   fill_false_discovery(statistics);
   return statistics;
+}
+
+// Cut off there, the posterior is divided by what of it lies above.
+double find_most_by_truncation(const Tally& tally) {
+  double most = 0;
+  for (const auto& [cell, count] : tally) {
+    if (count.n == 0) continue;
+    const double over = *eval_posterior_over(count), above_chance = *eval_posterior_over(count, 0.5);
+    if (above_chance > 0) most = std::max(most, over / above_chance - over);
+  }
+  return most;
 }
 
 CellStatus find_cell_status(const Count& count) {

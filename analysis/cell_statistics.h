@@ -37,6 +37,9 @@ struct CellStatistics {
 /// Statistics of every cell of a tally.
 std::map<Cell, CellStatistics> find_cell_statistics(const Tally& tally);
 
+/// The most that P(over the cut) of a tested cell would rise by, were Jeffreys' prior cut off below one half.
+double find_most_by_truncation(const Tally& tally);
+
 CellStatus find_cell_status(const Count& count);
 std::string format_cell_status(CellStatus status);
 

@@ -8,6 +8,9 @@ namespace {
 constexpr DictionaryEntry kDictionary[] = {
     {"cells.csv thresholds.csv ee.csv subjects.csv order.csv trends.csv answers.csv", "study", "string",
      "name of the study"},
+    {"cells.csv thresholds.csv ee.csv subjects.csv order.csv trends.csv answers.csv", "kind", "string",
+     "whose answers: person; planted: simulated subjects whose answers were put in, which say nothing of the "
+     "pictures; looking: simulated from the pixels"},
     {"cells.csv thresholds.csv subjects.csv order.csv answers.csv", "experiment", "string",
      "artifact: which image has the artifacts; material: which object differs from the reference"},
     {"cells.csv thresholds.csv ee.csv answers.csv", "geometry", "string",
@@ -46,9 +49,11 @@ constexpr DictionaryEntry kDictionary[] = {
      "cut; censored_low, artifact: none at any tested level, so that the threshold is at the cut or less "
      "clamped; material: a change at every tested level, so that it is less clamped than the first of "
      "tested; "
-     "censored_high: beyond the most clamped tested level; none: artifacts at the most clamped level, or a "
-     "change "
-     "at the least clamped one; untested"},
+     "censored_high, artifact: artifacts at the most clamped tested level, so that the threshold is at the "
+     "cut, the first level beyond, or more clamped; material: no change up to the most clamped tested level, "
+     "so that it is there or more clamped; there is nothing beyond where that is the study's most clamped "
+     "one, nor below where the first of tested is its least clamped one; none: artifacts at the most clamped "
+     "level, or a change at the least clamped one; untested"},
     {"thresholds.csv", "monotone", "boolean", "whether proportions are monotone over clamp"},
     {"thresholds.csv", "flags_monotone", "boolean", "whether flags are; where false the rule decides"},
     {"thresholds.csv", "tested", "string", "clamp levels with answers"},
@@ -141,8 +146,9 @@ constexpr DictionaryEntry kDictionary[] = {
     {"subjects.csv", "language", "string",
      "language of the texts that the subject read, as the session recorded it; empty where it did not"},
     {"subjects.csv", "turns_paper", "string",
-     "columns whose verdict is another without this person, in all sessions of both experiments; of a person "
-     "who has several it stands at one, of the artifact experiment if there is one"},
+     "columns whose verdict is another without this person, in all sessions of both experiments; of a column "
+     "with no_candidates, whether some level is free of artifacts. Of a person who has several sessions it "
+     "stands at one, of the artifact experiment if there is one"},
     {"subjects.csv", "turns_isotonic", "string", "the same under the rule isotonic"},
     {"order.csv", "subjects", "integer", "persons with a finished session"},
     {"order.csv", "correct", "number",
@@ -172,7 +178,11 @@ constexpr DictionaryEntry kDictionary[] = {
     {"trends.csv", "p", "number",
      "two-sided exact p: EE permuted within strata, that of an object at all its VPL counts together"},
     {"trends.csv", "p_least", "number", "the least p that any verdicts of these columns could give"},
-    {"trends.csv", "p_holm", "number", "the same after Holm, over the trends of the study"},
+    {"trends.csv", "p_least_holm", "number",
+     "p_least after Holm's correction over the trends of the study: the least that p_holm could be were "
+     "every "
+     "trend as strong as it can be; 1 where nothing is compared"},
+    {"trends.csv", "p_holm", "number", "p after Holm's correction over the trends of the study"},
     {"trends.csv", "holds", "boolean", "p_holm is 0.05 or less and the interval leaves out 0"},
     {"trends.csv", "sentence", "string", "the same in words"},
     {"plan.csv", "subjects", "integer", "subjects of the artifact experiment"},

@@ -166,6 +166,12 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
   return all;
 }
 
+std::int64_t count_ended_early(const ExperimentEvidence& evidence) {
+  return std::count_if(
+      evidence.summaries.begin(), evidence.summaries.end(),
+      [](const SessionSummary& summary) { return !summary.complete && summary.abort_reason.has_value(); });
+}
+
 std::vector<AnswerRow> select_answers(const ExperimentEvidence& evidence,
                                       const std::vector<std::int64_t>& sessions) {
   std::vector<AnswerRow> answers;

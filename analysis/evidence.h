@@ -58,6 +58,9 @@ std::optional<SubjectKind> find_kind(const std::vector<SessionRow>& sessions,
 ExperimentEvidence gather_sessions(const std::vector<SessionRow>& sessions, SubjectKind kind,
                                    Experiment experiment, const Study& study, const std::string& source);
 
+/// Of the unfinished sessions those that the experimenter ended early; the others were left, and may go on.
+std::int64_t count_ended_early(const ExperimentEvidence& evidence);
+
 /// Reads the log of a study folder. errors: InputError without a log or without finished artifact sessions,
 /// and for a session.json that cannot be read.
 Evidence load_evidence(const StudyFolder& folder, const Study& study, std::optional<SubjectKind> wanted);

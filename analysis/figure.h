@@ -19,8 +19,9 @@ struct FigurePanel {
 struct Figure {
   std::string name;  ///< of its files: figure-paper-ind
   std::string title;
-  std::size_t width = 0;            ///< panels in a row
-  std::vector<FigurePanel> panels;  ///< shape: row by row
+  SubjectKind kind = SubjectKind::kPerson;  ///< whose answers it shows
+  std::size_t width = 0;                    ///< panels in a row
+  std::vector<FigurePanel> panels;          ///< shape: row by row
 };
 
 /// For each study and illumination a row for each geometry and a column for each material (Figures 4, 7 and
@@ -31,7 +32,9 @@ std::vector<Figure> make_figures(std::vector<Report>&& reports) = delete;
 
 enum class FigureFormat { kSvg, kPdf };
 
-/// Commands for gnuplot that draw the figure into a file; every region has a colour, a hatch and a letter.
+/// Commands for gnuplot that draw the figure into a file. Its head says whose answers it shows, by what rule,
+/// and what the letters mean; every region has a colour, a hatch and a letter, in brackets and paler where
+/// nobody was asked; a supported level has a frame and a bold letter.
 std::string format_figure(const Figure& figure, Rule rule, FigureFormat format,
                           const std::filesystem::path& file);
 

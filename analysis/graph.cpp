@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "analysis/markup.h"
+#include "analysis/tables.h"
 #include "analysis/tally.h"
 #include "base/error.h"
 
@@ -16,6 +17,9 @@ constexpr int kBottom = 30;
 constexpr int kRight = 4;
 constexpr int kCellWidth = 46;
 constexpr int kCellHeight = 15;
+constexpr int kLoneWidth = 290;  // at least, for the words of a graph in a file of its own
+constexpr int kLine = 12;        // height of a line of these
+constexpr double kLetter = 4.7;  // width of a letter of them, on average
 constexpr const char* kInk = "#1c1c1c";
 
 struct Look {
@@ -67,6 +71,13 @@ std::string draw_text(double x, double y, const char* anchor, int size, const st
   return fmt::format(R"(<text x="{}" y="{}" text-anchor="{}" font-size="{}" fill="{}"{}>{}</text>)"
                      "\n",
                      x, y, anchor, size, kInk, more, escape_xml(text));
+}
+
+std::string draw_lines(double x, double y, const std::vector<std::string>& lines, const char* more = "") {
+  std::string text;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    text += draw_text(x, y + kLine * static_cast<double>(i), "start", 8, lines[i], more);
+  return text;
 }
 
 // Filled where flagged, open where not; nothing where untested.
@@ -122,6 +133,15 @@ std::string draw_axis(const ColumnCounts& counts) {
   return text;
 }
 
+// Left of the levels, where a graph in a page has no room.
+std::string name_axis(const ColumnCounts& counts) {
+  const double middle = kTop + kCellHeight * static_cast<double>(counts.size()) / 2;
+  const std::string name = fmt::format("clamp level, {} most clamped", format_clamp(counts.back().level));
+  return fmt::format(R"~(<g transform="translate(-4 {}) rotate(-90)">{}</g>)~"
+                     "\n",
+                     middle, draw_text(0, 0, "middle", 9, name));
+}
+
 std::string open_svg(int width, int height, double scale, const std::string& label) {
   return fmt::format(
       R"(<svg xmlns="http://www.w3.org/2000/svg" width="{2}" height="{3}" viewBox="0 0 {0} {1}" role="img" aria-label="{4}" font-family="Helvetica, Arial, 'DejaVu Sans', sans-serif">)"
@@ -129,16 +149,18 @@ std::string open_svg(int width, int height, double scale, const std::string& lab
       width, height, width * scale, height * scale, escape_xml(label));
 }
 
-std::string describe_cut(const char* name, const Threshold& threshold) {
-  return fmt::format("{} cut {} ({})", name, format_cut(threshold), format_status(threshold.status));
+std::string describe_cut(Experiment experiment, const Threshold& threshold, const ColumnCounts& counts) {
+  return fmt::format("{} cut {} ({})", format_experiment(experiment), format_cut(threshold),
+                     describe_status(threshold, experiment, counts));
 }
 
 // The count below a column, with its cuts where the pointer rests.
 std::string draw_count(const ColumnFinding& column, const RuleFinding& finding, double x, double y,
                        const char* mark) {
   const std::string title =
-      fmt::format("{}: {}; {}", format_key(column.column), describe_cut("artifact", finding.artifact),
-                  describe_cut("material", finding.material));
+      fmt::format("{}: {}; {}", format_key(column.column),
+                  describe_cut(Experiment::kArtifact, finding.artifact, column.artifact),
+                  describe_cut(Experiment::kMaterial, finding.material, column.material));
   return fmt::format("<g><title>{}</title>\n", escape_xml(title)) +
          draw_text(x, y, "middle", 9, format_vpl_count(column.column.vpl_count) + mark) + "</g>\n";
 }
@@ -147,19 +169,12 @@ bool has_reversed_flags(const RuleFinding& finding) {
   return !finding.artifact.flags_monotone || !finding.material.flags_monotone;
 }
 
-}  // namespace
-
-std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
-                       double scale, const std::string& study) {
-  EQ_CHECK(!columns.empty(), format_key(object));
-  const std::string key = format_key(object), prefix = key + study;
+// The plot: axes, cells, counts. units: as the picture's, its corner at 0, 0
+std::string draw_plot_of(const std::vector<const ColumnFinding*>& columns, Rule rule,
+                         const std::string& prefix) {
   const ColumnCounts& first = columns.front()->artifact;
   const int plot_height = kCellHeight * static_cast<int>(first.size());
-  const int width = kLeft + kCellWidth * static_cast<int>(columns.size()) + kRight;
-  std::string svg = open_svg(width, kTop + plot_height + kBottom, scale,
-                             fmt::format("Regions of {} under the rule {}", key, format_rule(rule)));
-  svg += draw_hatches(prefix) + draw_text(kLeft, 14, "start", 11, key, R"( font-weight="bold")");
-  svg += draw_axis(first);
+  std::string svg = draw_axis(first);
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const RuleFinding& finding = columns[c]->under(rule);
     const double x = kLeft + kCellWidth * static_cast<double>(c);
@@ -174,9 +189,68 @@ std::string draw_graph(const Object& object, const std::vector<const ColumnFindi
       R"(<rect x="{}" y="{}" width="{}" height="{}" fill="none" stroke="#6b6b6b" stroke-width="0.8"/>)"
       "\n",
       kLeft, kTop, kCellWidth * columns.size(), plot_height);
-  svg += draw_text(kLeft + kCellWidth * static_cast<double>(columns.size()) / 2, kTop + plot_height + 25,
-                   "middle", 9, "VPLs");
-  return svg + "</svg>\n";
+  return svg + draw_text(kLeft + kCellWidth * static_cast<double>(columns.size()) / 2,
+                         kTop + plot_height + 25, "middle", 9, "VPLs");
+}
+
+struct Size {
+  int width, height;
+};
+
+Size measure_graph(const std::vector<const ColumnFinding*>& columns) {
+  return {kLeft + kCellWidth * static_cast<int>(columns.size()) + kRight,
+          kTop + kCellHeight * static_cast<int>(columns.front()->artifact.size()) + kBottom};
+}
+
+std::string name_graph(const Object& object, Rule rule) {
+  return fmt::format("Regions of {} under the rule {}", format_key(object), format_rule(rule));
+}
+
+constexpr const char* kLoneKey[] = {
+    "A artifacts seen; M material looked different; AM both; E not shown to be different; ? not tested "
+    "enough "
+    "to say.",
+    "E bold and underlined: supported at 95 %. Paler: inferred by the rule, not tested.",
+    "Dots: tested, at the left for artifacts, at the right for the material; filled where 3/4 or more were "
+    "correct.",
+    "VPLs with a star: flags go back and forth, the rule decides."};
+
+}  // namespace
+
+std::string draw_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
+                       const GraphPlace& place) {
+  EQ_CHECK(!columns.empty(), format_key(object));
+  const std::string key = format_key(object), prefix = key + place.study;
+  const Size size = measure_graph(columns);
+  return open_svg(size.width, size.height, place.scale, name_graph(object, rule)) + draw_hatches(prefix) +
+         draw_text(kLeft, 14, "start", 11, key, R"( font-weight="bold")") +
+         draw_plot_of(columns, rule, prefix) + "</svg>\n";
+}
+
+std::string draw_lone_graph(const Object& object, const std::vector<const ColumnFinding*>& columns, Rule rule,
+                            const std::string& study, SubjectKind kind) {
+  EQ_CHECK(!columns.empty(), format_key(object));
+  const std::string key = format_key(object);
+  const Size size = measure_graph(columns);
+  const int width = std::max(size.width, kLoneWidth);
+  const auto wrap = [&](const std::string& text) {
+    return wrap_words(text, static_cast<std::size_t>((width - 8) / kLetter));
+  };
+  auto head = wrap(describe_subjects(kind));
+  for (const std::string& line : wrap(fmt::format("study {}, rule {}", study, format_rule(rule))))
+    head.push_back(line);
+  std::vector<std::string> foot;
+  for (const char* text : kLoneKey) {
+    for (const std::string& line : wrap(text)) foot.push_back(line);
+  }
+  const int above = 18 + kLine * static_cast<int>(head.size()) - kTop + 10;
+  const int height = above + size.height + kLine * static_cast<int>(foot.size()) + 10;
+  return open_svg(width, height, 1, name_graph(object, rule) + ", " + describe_subjects(kind)) +
+         draw_hatches(key) + draw_text(4, 14, "start", 11, key, R"( font-weight="bold")") +
+         draw_lines(4, 28, head, R"( font-weight="bold")") +
+         fmt::format("<g transform=\"translate({} {})\">\n", (width - size.width) / 2, above) +
+         name_axis(columns.front()->artifact) + draw_plot_of(columns, rule, key) + "</g>\n" +
+         draw_lines(4, above + size.height + 10, foot) + "</svg>\n";
 }
 
 std::string draw_legend(const std::string& name) {

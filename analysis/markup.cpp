@@ -1,6 +1,7 @@
 // The small part of markup that both the graphs and the page need.
 #include "analysis/markup.h"
 
+#include <algorithm>
 #include <set>
 
 #include "base/error.h"
@@ -51,6 +52,21 @@ std::string fill_template(std::string_view text, const std::map<std::string, std
   }
   EQ_CHECK(used.size() == values.size(), used.size(), values.size());
   return filled;
+}
+
+std::vector<std::string> wrap_words(std::string_view text, std::size_t most_letters) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word(text.substr(begin, end - begin));
+    if (lines.empty() || lines.back().size() + 1 + word.size() > most_letters) {
+      lines.push_back(word);
+    } else {
+      lines.back() += " " + word;
+    }
+    begin = end + 1;
+  }
+  return lines;
 }
 
 }  // namespace equilux

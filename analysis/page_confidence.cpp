@@ -9,6 +9,7 @@
 #include "analysis/page_sections.h"
 #include "analysis/report_tables.h"
 #include "analysis/tables.h"
+#include "analysis/trend_bounds.h"
 
 namespace equilux {
 namespace {
@@ -50,21 +51,25 @@ std::string format_range(const std::optional<CutRange>& range, const ColumnCount
   return range->lower == range->upper ? lower : fmt::format("{} to {}", lower, upper);
 }
 
-// The range, and whether the cut lies beyond the tested levels.
+// The range, and whether the cut may lie beyond the tested levels.
 std::string format_cut_range(const std::optional<CutRange>& range, const ColumnCounts& counts,
                              const Threshold& threshold, Experiment experiment, const Study& study) {
-  const bool is_beyond =
+  const bool is_censored =
       threshold.status == CutStatus::kCensoredLow || threshold.status == CutStatus::kCensoredHigh;
+  const bool is_beyond = is_censored && !is_at_scale_end(threshold, experiment, counts);
   return format_range(range, counts, experiment, study) +
          (is_beyond ? fmt::format(" <span class=\"note\">{}</span>", format_status(threshold.status)) : "");
 }
 
 // Whether a verdict stands on levels alone that were not tested for artifacts: no level that is equivalent
 // was asked about in both experiments, or none is and the levels that might be are less clamped than the
-// window, where the rule takes artifacts for granted.
+// window, where the rule takes artifacts for granted. There are none where the window begins the scale.
 bool rests_on_untested(const ColumnFinding& column, Rule rule) {
   const RuleFinding& finding = column.under(rule);
-  if (finding.verdict == Verdict::kNone) return finding.artifact.status == CutStatus::kCensoredLow;
+  if (finding.verdict == Verdict::kNone) {
+    return finding.artifact.status == CutStatus::kCensoredLow &&
+           !is_at_scale_end(finding.artifact, Experiment::kArtifact, column.artifact);
+  }
   for (std::size_t i = 0; i < finding.regions.size(); ++i) {
     if (finding.regions[i] == Region::kEquivalent && is_observed(column, Region::kEquivalent, i))
       return false;
@@ -151,7 +156,8 @@ std::vector<std::string> confidence_row(const Report& report, std::size_t c) {
 double eval_share_error(double share, int draws) { return std::sqrt(share * (1 - share) / draws); }
 
 struct Firmness {
-  std::size_t firm = 0, assumed = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0;
+  std::size_t firm = 0, assumed = 0, exists = 0, supported = 0, by_one = 0, by_cut = 0, judged = 0,
+              of_one_subject = 0;
 };
 
 constexpr double kFirmShare = 0.95;  ///< of draws from either prior, and of resamples, for a firm verdict
@@ -172,6 +178,7 @@ Firmness count_firm(const Report& report, Rule rule) {
     const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
     if (finding.verdict == Verdict::kExists) ++sum.exists;
     if (!finding.supported.empty()) ++sum.supported;
+    sum.of_one_subject += report.uncertainty.columns[c].status == UncertaintyStatus::kOneSubject ? 1 : 0;
     if (!under.posterior || !under.bootstrap) continue;
     ++sum.judged;
     if (is_shared(finding, under)) ++(rests_on_untested(report.findings[c], rule) ? sum.assumed : sum.firm);
@@ -190,6 +197,21 @@ std::string format_assumed(std::size_t columns) {
       " ({} more would, but stand on levels alone that were never tested for artifacts, of which the rule "
       "allows no doubt)",
       columns);
+}
+
+std::string describe_judged(const Firmness& sum) {
+  std::string text = fmt::format(
+      "Of {} columns with answers of two or more subjects in both experiments, {} have a verdict that at "
+      "least 95&nbsp;% of posterior draws from either prior and of resamples of subjects share{}; in {} "
+      "leaving out a single subject turns it, and in {} a cut at 70 or 80&nbsp;% correct instead of "
+      "75&nbsp;% does.",
+      sum.judged, sum.firm, format_assumed(sum.assumed), sum.by_one, sum.by_cut);
+  if (sum.judged == 0) text = "No column has answers of two or more subjects in both experiments.";
+  if (sum.of_one_subject == 0) return text;
+  return text + fmt::format(
+                    " In {} columns an experiment has one subject alone: nothing was resampled there, and "
+                    "nobody could be left out.",
+                    sum.of_one_subject);
 }
 
 // Flagged iff 4 k >= 3 n: what leaving one out makes of the cell that is nearest to being flagged.
@@ -211,19 +233,6 @@ std::string describe_leaving_out(const Report& report) {
       " Leaving one out cannot see how near a cell is to being flagged that is not: {}, not flagged either, "
       "though one more right answer would flag it.",
       fmt::join(texts, "; "));
-}
-
-// Were every one of these trends as strong as it can be; 1 where nothing is compared.
-std::vector<double> find_least_holm(const std::vector<Trend>& trends) {
-  std::vector<double> compared, least(trends.size(), 1);
-  for (const Trend& trend : trends) {
-    if (trend.status != TrendStatus::kNoPairs) compared.push_back(trend.p_least);
-  }
-  const std::vector<double> adjusted = adjust_holm(compared);
-  for (std::size_t i = 0, next = 0; i < trends.size(); ++i) {
-    if (trends[i].status != TrendStatus::kNoPairs) least[i] = adjusted[next++];
-  }
-  return least;
 }
 
 std::string describe_unattainable(const std::vector<Trend>& trends, const std::vector<double>& least) {
@@ -272,17 +281,8 @@ std::string format_uncertainty(const Report& report) {
               {}};
   for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
   const Firmness sum = count_firm(report, report.rule);
-  return fmt::format(
-             "<p>Of {} columns with answers in both experiments, {} have a verdict that at least 95&nbsp;% "
-             "of "
-             "posterior draws from either prior and of resamples of subjects share{}; in {} leaving out a "
-             "single subject turns "
-             "it, "
-             "and in "
-             "{} a cut at 70 or 80&nbsp;% correct instead of 75&nbsp;% does. EE is found in {} columns, of "
-             "which {} {} supported at some level.</p>\n",
-             sum.judged, sum.firm, format_assumed(sum.assumed), sum.by_one, sum.by_cut, sum.exists,
-             sum.supported, sum.supported == 1 ? "is" : "are") +
+  return fmt::format("<p>{} EE is found in {} columns, of which {} {} supported at some level.</p>\n",
+                     describe_judged(sum), sum.exists, sum.supported, sum.supported == 1 ? "is" : "are") +
          fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
                      format_html_table(table, 99)) +
          fmt::format(
@@ -295,8 +295,11 @@ std::string format_uncertainty(const Report& report) {
              "drawn "
              "{} times from its posterior (Jeffreys&rsquo; prior) and judged by the same rule; levels beyond "
              "the window it takes as the rule does, less clamped ones to have artifacts and more clamped "
-             "ones to be free of them, without doubt. Cut off at &frac12;: the same with Jeffreys&rsquo; "
-             "prior "
+             "ones to be free of them, without doubt. It takes the cells of a column as independent, "
+             "although the same "
+             "people answered them: where people differ it may be surer than it should; resampled shares "
+             "keep "
+             "a person&rsquo;s answers together. Cut off at &frac12;: the same with Jeffreys&rsquo; prior "
              "cut off below one half, where no proportion correct can lie. Resampled: share of {} samples of "
              "subjects, drawn "
              "again with "
@@ -308,10 +311,9 @@ std::string format_uncertainty(const Report& report) {
              "C7, the "
              "first "
              "level tested, where that looks changed already; censored_low and censored_high: the cut itself "
-             "lies beyond the tested levels. Of fewer than six subjects in an experiment no range is given "
-             "for its "
-             "cuts, and no verdict counts as shared. Turned by one: subjects without any one of whom the "
-             "verdict "
+             "may lie beyond the tested levels; no such mark where these reach the end of the scale. Of "
+             "fewer than six subjects in an experiment no range is given for its cuts, and no verdict counts "
+             "as shared. Turned by one: subjects without any one of whom the verdict "
              "is another, by name in <code>subjects.csv</code>. Where no level is left free of artifacts "
              "nobody was "
              "asked about the material: &le; is the share in which some level is free, more cannot be "
@@ -363,8 +365,8 @@ std::string format_rule_certainty(const Report& report) {
   return fmt::format(
              "<p>How sure a verdict is can depend on the rule; here it does in {} columns. Firm, that is "
              "shared by at "
-             "least 95&nbsp;% of draws from either prior and of resamples, are {} of {} verdicts under "
-             "<i>paper</i> and {} "
+             "least 95&nbsp;% of draws from either prior and of resamples and does not stand on untested "
+             "levels alone, are {} of {} verdicts under <i>paper</i> and {} "
              "of {} under "
              "<i>isotonic</i>. Under <i>paper</i> one level flagged by chance moves the cut; under "
              "<i>isotonic</i> it is "
@@ -429,6 +431,11 @@ std::string format_tracing(const std::vector<Report>& reports) {
        "<code>SELECT * FROM session LEFT JOIN field ON field.session = session.id WHERE kind = KIND AND "
        "experiment "
        "= EXPERIMENT AND complete = 1</code>, counted"},
+      {"verdicts without the marked sessions", "report.json (<code>flipped_without_marked</code>)",
+       "counts less those of the sessions with <code>marks</code> in <code>subjects.csv</code>, by the same "
+       "rule"},
+      {"what a prior cut off below one half would add",
+       "report.json (<code>prior_cut_off_adds_at_most</code>)", "k and n of every tested cell"},
       {"design", "study.json, session.json, windows.json, selection-KIND.json",
        "the study folder; digests below"},
       {"order effects", "order.csv",

@@ -77,9 +77,10 @@ std::string list_clamps(const Study& study) {
 
 Table list_levels(const Study& study) {
   Table table{{"factor", "level", "what it is"}, {}};
+  std::string last;  // named once, in its first row
   const auto add = [&](const std::string& factor, const std::string& level, const std::string& words) {
-    const bool is_first = table.rows.empty() || table.rows.back()[0] != factor;
-    table.rows.push_back({is_first ? factor : "", escape_xml(level), words});
+    table.rows.push_back({factor == last ? "" : factor, escape_xml(level), words});
+    last = factor;
   };
   for (const auto& geometry : enumerate_geometries(study))
     add("geometry", geometry, describe_geometry(study, geometry));

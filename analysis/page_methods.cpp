@@ -1,5 +1,6 @@
 // The page's methods: what was asked, who answered, how it was counted, and where everything came from.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -11,6 +12,7 @@
 #include "analysis/participation.h"
 #include "analysis/probability.h"
 #include "analysis/tables.h"
+#include "analysis/views.h"
 #include "base/version.h"
 
 namespace equilux {
@@ -42,13 +44,43 @@ std::size_t count_tested(const Tally& tally) {
 std::vector<std::string> answered_row(const Report& report, Experiment experiment) {
   const Tally& tally = tally_of(report, experiment);
   const ExperimentEvidence& evidence = report.evidence.of(experiment);
+  const std::int64_t ended = count_ended_early(evidence);
   return {format_experiment(experiment),
           fmt::format("{}", evidence.finished.size()),
           fmt::format("{}", count_participants(evidence)),
-          fmt::format("{}", evidence.unfinished),
+          fmt::format("{}", ended),
+          fmt::format("{}", evidence.unfinished - ended),
           fmt::format("{}", count_answers(tally)),
           fmt::format("{} of {}", count_tested(tally), tally.size()),
           format_sizes(find_cell_sizes(tally))};
+}
+
+std::vector<std::string> view_row(Experiment experiment, const std::array<Count, 2>& views) {
+  std::vector<std::string> row{format_experiment(experiment)};
+  for (const Count& count : views) {
+    row.push_back(fmt::format("{} of {}", count.k, count.n));
+    row.push_back(count.n > 0
+                      ? fmt::format("{:.3f}", static_cast<double>(count.k) / static_cast<double>(count.n))
+                      : kDash);
+  }
+  return row;
+}
+
+// Both cameras are counted together: what a reader can judge that by.
+std::string format_views(const Report& report) {
+  Table table{{"experiment", "v0, correct", "share", "v1, correct", "share"}, {}};
+  for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+    if (const auto views = count_by_view(report.evidence.of(experiment)))
+      table.rows.push_back(view_row(experiment, *views));
+  }
+  const std::string note =
+      "<p class=\"note\">The answers of both views of a cell are counted together. {} Cells by view: "
+      "<code>test_view</code> of <code>equilux-session export</code>.</p>\n";
+  if (table.rows.empty()) return fmt::format(fmt::runtime(note), "Of which view each was is not known here.");
+  return format_html_table(table, 1) +
+         fmt::format(fmt::runtime(note),
+                     "The shares are over all cells, which sessions see from either view in turn; "
+                     "<code>report.json</code> has them as <code>by_view</code>.");
 }
 
 // Tested cells of an experiment by n: the cut, and what guessing alone would do.
@@ -144,8 +176,8 @@ std::vector<std::string> cell_fields(Experiment experiment, const Cell& cell, co
           fmt::format("{:.3f}", estimate.proportion),
           format_interval(estimate.clopper_pearson),
           format_interval(estimate.jeffreys),
-          fmt::format("{:.4f}", estimate.p_guess),
-          fmt::format("{:.4f}", estimate.q_guess),
+          format_small(estimate.p_guess),
+          format_small(estimate.q_guess),
           fmt::format("{:.3f}", estimate.posterior_over)};
 }
 
@@ -225,8 +257,8 @@ std::string format_asked(const Report& report) {
 }
 
 std::string format_answered(const Report& report) {
-  Table table{{"experiment", "finished sessions", "of so many codes", "unfinished, left out", "answers",
-               "cells tested", "answers per cell"},
+  Table table{{"experiment", "finished sessions", "of so many codes", "ended early, left out",
+               "unfinished, left out", "answers", "cells tested", "answers per cell"},
               {}};
   for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     table.rows.push_back(answered_row(report, experiment));
@@ -235,7 +267,7 @@ std::string format_answered(const Report& report) {
          fmt::format(
              "<p class=\"note\">Only finished sessions of the kind <i>{}</i> count; kinds never mix.</p>\n",
              format_kind(report.evidence.kind)) +
-         format_participation(report);
+         format_views(report) + format_participation(report);
 }
 
 std::string describe_pruning(const Report& report) {
@@ -346,19 +378,6 @@ std::string format_noise(const Report& report) {
       references, format_html_table(table, 3), format_checks(report));
 }
 
-// How far P(over 75 %) would rise in the cell where it would most, were the prior cut off below one half.
-double find_most_by_truncation(const Report& report) {
-  double most = 0;
-  for (const Tally* tally : {&report.artifact, &report.material}) {
-    for (const auto& [cell, count] : *tally) {
-      if (count.n == 0) continue;
-      const double over = *eval_posterior_over(count), above_chance = *eval_posterior_over(count, 0.5);
-      if (above_chance > 0) most = std::max(most, over / above_chance - over);
-    }
-  }
-  return most;
-}
-
 struct PriorChange {
   double change = 0;  // of the posterior of EE
   std::string where;  // the column and the rule
@@ -395,9 +414,10 @@ std::string format_prior_note(const Report& report) {
       "should "
       "lie: it is kept as it is so that interval, posterior and their coverage are the known ones. Cut off "
       "below one half "
-      "it would divide P(over 75&nbsp;%) by P(over 50&nbsp;%): in these cells that adds at most "
-      "{:.3f}.{}</p>\n",
-      find_most_by_truncation(report), format_prior_change(report));
+      "it would divide P(over 75&nbsp;%) by P(over 50&nbsp;%): in these cells that adds at most {:.3f} "
+      "(<code>report.json</code>: <code>prior_cut_off_adds_at_most</code> of each experiment).{}</p>\n",
+      std::max(find_most_by_truncation(report.artifact), find_most_by_truncation(report.material)),
+      format_prior_change(report));
 }
 
 std::string format_cells(const Report& report) {

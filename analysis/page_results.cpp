@@ -66,7 +66,7 @@ std::string format_object_graph(const Report& report, const Object& object) {
   const auto columns = findings_of(report.findings, object);
   const std::size_t materials = enumerate_materials(report.study).size();
   const double scale = materials > 5 ? 0.8 : materials > 3 ? 1 : 1.5;
-  return columns.empty() ? "" : draw_graph(object, columns, report.rule, scale, report.study.name);
+  return columns.empty() ? "" : draw_graph(object, columns, report.rule, {scale, report.study.name});
 }
 
 // A row for each geometry, a column for each material, as in the paper's Figure 4.
@@ -98,10 +98,11 @@ std::string format_counts(const ColumnCounts& counts) {
   return text;
 }
 
-std::string format_cut_and_status(const Threshold& threshold) {
+std::string format_cut_and_status(const Threshold& threshold, Experiment experiment,
+                                  const ColumnCounts& counts) {
   const std::string cut = format_cut(threshold);
   return fmt::format("{} <span class=\"note\">{}</span>", cut == "-" ? "&ndash;" : escape_xml(cut),
-                     format_status(threshold.status));
+                     describe_status(threshold, experiment, counts));
 }
 
 const Threshold& threshold_of(const RuleFinding& finding, Experiment experiment) {
@@ -116,10 +117,10 @@ Table collect_columns(const Report& report, const Wanted& wanted) {
       const Threshold& paper = threshold_of(finding.under(Rule::kPaper), experiment);
       const Threshold& isotonic = threshold_of(finding.under(Rule::kIsotonic), experiment);
       if (!wanted(paper)) continue;
-      table.rows.push_back(
-          {escape_xml(format_key(finding.column)), format_experiment(experiment),
-           format_counts(experiment == Experiment::kArtifact ? finding.artifact : finding.material),
-           format_cut_and_status(paper), format_cut_and_status(isotonic)});
+      const ColumnCounts& counts = experiment == Experiment::kArtifact ? finding.artifact : finding.material;
+      table.rows.push_back({escape_xml(format_key(finding.column)), format_experiment(experiment),
+                            format_counts(counts), format_cut_and_status(paper, experiment, counts),
+                            format_cut_and_status(isotonic, experiment, counts)});
     }
   }
   return table;
@@ -132,7 +133,8 @@ Table collect_untested(const Report& report) {
       const RuleFinding& under = finding.under(rule);
       if (under.untested.empty()) continue;
       table.rows.push_back({escape_xml(format_key(finding.column)), format_rule(rule),
-                            format_cut_and_status(under.artifact), format_levels(under.untested)});
+                            format_cut_and_status(under.artifact, Experiment::kArtifact, finding.artifact),
+                            format_levels(under.untested)});
     }
   }
   return table;

@@ -217,8 +217,11 @@ void warn_of_left_out(Report& report, const ExperimentEvidence& evidence, Experi
   std::int64_t answered = 0;
   for (const SessionSummary& summary : evidence.summaries)
     answered += summary.complete ? 0 : summary.answered;
-  report.warnings.push_back(fmt::format("{} {} sessions were not finished: their {} answers are left out.",
-                                        evidence.unfinished, format_experiment(experiment), answered));
+  const std::int64_t ended = count_ended_early(evidence);
+  report.warnings.push_back(fmt::format(
+      "{} {} sessions were not finished ({} ended early by the experimenter, {} left unfinished): "
+      "their {} answers are left out.",
+      evidence.unfinished, format_experiment(experiment), ended, evidence.unfinished - ended, answered));
 }
 
 void warn_of_unanswered(Report& report, const ExperimentEvidence& evidence, Experiment experiment) {
@@ -487,8 +490,8 @@ ReportFiles make_report_files(const std::vector<Report>& reports) {
   for (const Report& report : reports) {
     const std::string study = reports.size() > 1 ? report.study.name + "-" : "";
     for (const Object& object : enumerate_objects(report.study)) {
-      files[fmt::format("graph-{}{}.svg", study, format_key(object))] =
-          draw_graph(object, findings_of(report.findings, object), report.rule);
+      files[fmt::format("graph-{}{}.svg", study, format_key(object))] = draw_lone_graph(
+          object, findings_of(report.findings, object), report.rule, report.study.name, report.evidence.kind);
     }
   }
   files[kReportPage] = format_page(reports);

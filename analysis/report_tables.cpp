@@ -9,6 +9,8 @@
 #include "analysis/order_draws.h"
 #include "analysis/participation.h"
 #include "analysis/tables.h"
+#include "analysis/trend_bounds.h"
+#include "analysis/views.h"
 #include "base/error.h"
 #include "base/version.h"
 
@@ -23,13 +25,14 @@ std::string format_int(std::int64_t value) { return fmt::format("{}", value); }
 
 void append(Row& row, const Row& more) { row.insert(row.end(), more.begin(), more.end()); }
 
-// The study's name before every row, more columns behind it.
-Table widen(Table table, const std::string& study, const Row& columns, const std::vector<Row>& more) {
+// The study's name and whose answers it has before every row, more columns behind it.
+Table widen(Table table, const Report& report, const Row& columns, const std::vector<Row>& more) {
   EQ_CHECK(columns.empty() || more.size() == table.rows.size(), more.size(), table.rows.size());
-  table.columns.insert(table.columns.begin(), "study");
+  const Row first{report.study.name, format_kind(report.evidence.kind)};
+  table.columns.insert(table.columns.begin(), {"study", "kind"});
   append(table.columns, columns);
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
-    table.rows[i].insert(table.rows[i].begin(), study);
+    table.rows[i].insert(table.rows[i].begin(), first.begin(), first.end());
     if (!columns.empty()) append(table.rows[i], more[i]);
   }
   return table;
@@ -55,7 +58,7 @@ Table make_cells(const Report& report) {
     for (const Cell& cell : enumerate_cells(report.study)) more.push_back(estimate_fields(cells->at(cell)));
   }
   return widen(
-      make_cells_table(report.study, report.artifact, report.material), report.study.name,
+      make_cells_table(report.study, report.artifact, report.material), report,
       {"status", "cp_lower", "cp_upper", "jeffreys_lower", "jeffreys_upper", "q_guess", "posterior_over"},
       more);
 }
@@ -77,7 +80,7 @@ Table make_thresholds(const Report& report) {
       }
     }
   }
-  return widen(make_thresholds_table(report.findings), report.study.name, {"cut_lower", "cut_upper"}, more);
+  return widen(make_thresholds_table(report.findings), report, {"cut_lower", "cut_upper"}, more);
 }
 
 Row uncertainty_fields(const Report& report, std::size_t c) {
@@ -107,16 +110,24 @@ Table make_ee(const Report& report) {
   }
   std::vector<Row> more;
   for (std::size_t c = 0; c < report.findings.size(); ++c) more.push_back(uncertainty_fields(report, c));
-  return widen(make_ee_table(report.findings), report.study.name, columns, more);
+  return widen(make_ee_table(report.findings), report, columns, more);
 }
 
-// Columns whose verdict is another without the person of this session, where that person stands by it.
+// Whether the person who stands by this session turns the column: its verdict, or, without candidates,
+// whether some level is free of artifacts.
+bool is_turned_by(const RuleUncertainty& under, Experiment experiment, std::int64_t session) {
+  const bool is_artifact = experiment == Experiment::kArtifact;
+  const auto names = [&](const std::vector<std::int64_t>& flips) {
+    return std::binary_search(flips.begin(), flips.end(), session);
+  };
+  return names(is_artifact ? under.artifact_flips : under.material_flips) ||
+         (is_artifact && under.free_bootstrap && names(under.free_flips));
+}
+
 std::string format_turned(const Report& report, Experiment experiment, std::int64_t session, Rule rule) {
   std::vector<std::string> keys;
   for (std::size_t c = 0; c < report.findings.size(); ++c) {
-    const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
-    const auto& flips = experiment == Experiment::kArtifact ? under.artifact_flips : under.material_flips;
-    if (std::binary_search(flips.begin(), flips.end(), session))
+    if (is_turned_by(report.uncertainty.columns[c].under(rule), experiment, session))
       keys.push_back(format_key(report.findings[c].column));
   }
   return fmt::format("{}", fmt::join(keys, " "));
@@ -125,6 +136,7 @@ std::string format_turned(const Report& report, Experiment experiment, std::int6
 Row subject_row(const Report& report, Experiment experiment, const SubjectFinding& finding) {
   const SessionSummary& s = finding.summary;
   return {report.study.name,
+          format_kind(report.evidence.kind),
           format_experiment(experiment),
           format_int(s.session),
           s.participant,
@@ -155,10 +167,10 @@ const SubjectsReport& subjects_of(const Report& report, Experiment experiment) {
 
 Table make_subjects(const std::vector<Report>& reports) {
   Table table{
-      {"study",    "experiment",   "session",       "participant",    "folder",        "subject_index",
-       "complete", "scheduled",    "answered",      "correct",        "left",          "p_side",
-       "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass",    "agreement",
-       "marks",    "abort_reason", "language",      "turns_paper",    "turns_isotonic"},
+      {"study",         "kind",     "experiment",   "session",       "participant",    "folder",
+       "subject_index", "complete", "scheduled",    "answered",      "correct",        "left",
+       "p_side",        "median_s", "too_fast",     "catch_correct", "catch_answered", "catch_pass",
+       "agreement",     "marks",    "abort_reason", "language",      "turns_paper",    "turns_isotonic"},
       {}};
   for (const Report& report : reports) {
     for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
@@ -175,11 +187,11 @@ Row interval_fields(const std::optional<Interval>& interval) {
 }
 
 Table make_order(const std::vector<Report>& reports) {
-  Table table{{"study", "experiment", "subjects", "correct", "lower", "upper", "p", "speed"}, {}};
+  Table table{{"study", "kind", "experiment", "subjects", "correct", "lower", "upper", "p", "speed"}, {}};
   for (const Report& report : reports) {
     for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
       const OrderEffect& order = subjects_of(report, experiment).order;
-      Row row{report.study.name, format_experiment(experiment),
+      Row row{report.study.name, format_kind(report.evidence.kind), format_experiment(experiment),
               format_int(static_cast<std::int64_t>(order.subjects)), format_number(order.correct)};
       append(row, interval_fields(order.interval));
       append(row, {format_number(order.p), format_number(order.speed)});
@@ -189,8 +201,9 @@ Table make_order(const std::vector<Report>& reports) {
   return table;
 }
 
-Row trend_row(const Report& report, const Trend& trend) {
+Row trend_row(const Report& report, const Trend& trend, double least_holm) {
   Row row{report.study.name,
+          format_kind(report.evidence.kind),
           format_rule(report.rule),
           trend.factor,
           trend.from,
@@ -204,16 +217,19 @@ Row trend_row(const Report& report, const Trend& trend) {
           format_number(trend.effect)};
   append(row, interval_fields(trend.interval));
   append(row, {format_number(trend.p), format_number(trend.p_least), format_number(trend.p_holm),
-               format_bool(trend.holds), describe_trend(trend)});
+               format_number(least_holm), format_bool(trend.holds), describe_trend(trend)});
   return row;
 }
 
 Table make_trends(const std::vector<Report>& reports) {
-  Table table{{"study", "rule", "factor", "from", "to", "status", "strata", "pairs", "clusters", "gained",
-               "lost", "effect", "lower", "upper", "p", "p_least", "p_holm", "holds", "sentence"},
+  Table table{{"study",  "kind",  "rule",     "factor", "from",         "to",     "status",
+               "strata", "pairs", "clusters", "gained", "lost",         "effect", "lower",
+               "upper",  "p",     "p_least",  "p_holm", "p_least_holm", "holds",  "sentence"},
               {}};
   for (const Report& report : reports) {
-    for (const Trend& trend : report.trends) table.rows.push_back(trend_row(report, trend));
+    const std::vector<double> least = find_least_holm(report.trends);
+    for (std::size_t i = 0; i < report.trends.size(); ++i)
+      table.rows.push_back(trend_row(report, report.trends[i], least[i]));
   }
   return table;
 }
@@ -258,9 +274,26 @@ Json make_balance_json(const Balance& balance) {
   return json.set("most_answers_of_a_subject_to_a_cell", balance.most_answers);
 }
 
-Json make_experiment_json(const ExperimentEvidence& evidence, const Balance& balance) {
+// Correct and answered, view by view; null where views are not known.
+Json make_views_json(const ExperimentEvidence& evidence) {
+  const auto views = count_by_view(evidence);
+  if (!views) return nullptr;
+  Json json;
+  for (std::size_t view = 0; view < views->size(); ++view) {
+    Json of_view;
+    of_view.set("k", (*views)[view].k).set("n", (*views)[view].n);
+    json.set(fmt::format("v{}", view), std::move(of_view));
+  }
+  return json;
+}
+
+Json make_experiment_json(const Report& report, Experiment experiment) {
+  const bool is_artifact = experiment == Experiment::kArtifact;
+  const ExperimentEvidence& evidence = report.evidence.of(experiment);
+  const Balance& balance = is_artifact ? report.artifact_balance : report.material_balance;
   Json json;
   json.set("finished_sessions", evidence.finished.size()).set("unfinished_sessions", evidence.unfinished);
+  json.set("ended_early_sessions", count_ended_early(evidence));
   json.set("participants", count_participants(evidence));
   json.set("answers", evidence.answers.size()).set("answers_digest", evidence.digest);
   const auto add = [&](const char* name, std::string SessionDigests::*member) {
@@ -273,7 +306,9 @@ Json make_experiment_json(const ExperimentEvidence& evidence, const Balance& bal
   add("protocol_digests", &SessionDigests::protocol);
   json.set("session_programs",
            make_values_json(evidence, [](const SessionRow& row) { return row.program_version; }));
-  json.set("balance", make_balance_json(balance));
+  json.set("balance", make_balance_json(balance)).set("by_view", make_views_json(evidence));
+  json.set("prior_cut_off_adds_at_most",
+           find_most_by_truncation(is_artifact ? report.artifact : report.material));
   json.set("participation", make_participation_json(find_participation(evidence)));
   return json.set("session_seeds", make_values_json(evidence, [](const SessionRow& row) {
                     return fmt::format("{}", row.seed);
@@ -295,9 +330,12 @@ Json make_study_json(const Report& report) {
   json.set("name", report.study.name).set("digest", report.study.digest);
   json.set("kind", format_kind(report.evidence.kind)).set("rule", format_rule(report.rule));
   json.set("folders", make_json(report.folders)).set("warnings", make_json(report.warnings));
-  json.set("artifact", make_experiment_json(report.evidence.artifact, report.artifact_balance));
-  json.set("material", make_experiment_json(report.evidence.material, report.material_balance));
+  json.set("artifact", make_experiment_json(report, Experiment::kArtifact));
+  json.set("material", make_experiment_json(report, Experiment::kMaterial));
   json.set("withdrawn", report.evidence.withdrawn);
+  std::vector<std::string> flipped;
+  for (const Column& column : report.flipped_without_marked) flipped.push_back(format_key(column));
+  json.set("flipped_without_marked", make_json(flipped));
   if (report.selection && report.selections.empty())
     json.set("selection_digest", digest_selection(*report.selection));
   if (!report.selections.empty()) json.set("selections", make_selections_json(report.selections));

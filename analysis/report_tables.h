@@ -18,7 +18,8 @@ struct ReportTable {
 };
 
 /// cells.csv, thresholds.csv, ee.csv, subjects.csv, order.csv and trends.csv of all studies, one below the
-/// other; the first column names the study.
+/// other; the first columns name the study and the kind of those
+/// who answered.
 std::vector<ReportTable> make_report_tables(const std::vector<Report>& reports);
 
 /// What a column of a file means.

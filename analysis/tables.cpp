@@ -219,6 +219,18 @@ std::vector<const ColumnFinding*> findings_of(const std::vector<ColumnFinding>& 
   return columns;
 }
 
+std::string describe_subjects(SubjectKind kind) {
+  switch (kind) {
+    case SubjectKind::kPlanted:
+      return "PLANTED SUBJECTS, whose answers were put in";
+    case SubjectKind::kLooking:
+      return "SIMULATED SUBJECTS, computed from the pixels";
+    case SubjectKind::kPerson:
+      break;
+  }
+  return "answers of persons";
+}
+
 std::string describe_illumination(Illumination illumination) {
   return illumination == Illumination::kIndirect ? "indirect-only" : "direct-and-indirect";
 }

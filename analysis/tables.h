@@ -48,6 +48,9 @@ std::vector<std::int64_t> enumerate_vpl_counts(const Study& study, Illumination 
 std::vector<const ColumnFinding*> findings_of(const std::vector<ColumnFinding>& findings,
                                               const Object& object);
 
+/// Whose answers a figure shows: "answers of persons", "PLANTED SUBJECTS, whose answers were put in".
+std::string describe_subjects(SubjectKind kind);
+
 /// "indirect-only", "direct-and-indirect"
 std::string describe_illumination(Illumination illumination);
 

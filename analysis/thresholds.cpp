@@ -97,6 +97,12 @@ Threshold cut_material(const ColumnCounts& counts, int percent) {
 
 }  // namespace
 
+bool is_at_scale_end(const Threshold& threshold, Experiment experiment, const ColumnCounts& counts) {
+  if (experiment == Experiment::kArtifact)
+    return threshold.status == CutStatus::kCensoredLow && threshold.cut == counts.front().level;
+  return threshold.status == CutStatus::kCensoredHigh && threshold.cut == counts.back().level;
+}
+
 std::string format_rule(Rule rule) { return rule == Rule::kPaper ? "paper" : "isotonic"; }
 
 Rule parse_rule(std::string_view text, std::string_view source, std::string_view place) {
@@ -120,6 +126,11 @@ std::string format_status(CutStatus status) {
       break;
   }
   return "untested";
+}
+
+std::string describe_status(const Threshold& threshold, Experiment experiment, const ColumnCounts& counts) {
+  return is_at_scale_end(threshold, experiment, counts) ? "end of the scale"
+                                                        : format_status(threshold.status);
 }
 
 std::string format_cut(const Threshold& threshold) {

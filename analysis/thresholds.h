@@ -22,7 +22,8 @@ enum class CutStatus {
   kCut,          ///< found between two tested levels
   kCensoredLow,  ///< no tested level has artifacts: the threshold is at the first of them or less clamped; or
                  ///< all have changed: it is less clamped than the first of them
-  kCensoredHigh,  ///< artifacts still at the most clamped tested level, or no change: it lies beyond
+  kCensoredHigh,  ///< artifacts still at the most clamped tested level: it lies beyond; or no change
+                  ///< there: it is there or more clamped
   kNone,          ///< artifacts at the study's most clamped level, or a change at its least clamped one
   kUntested       ///< no answers
 };
@@ -46,9 +47,16 @@ struct Threshold {
   std::vector<LevelState> states;  ///< shape: one for each level of the column
 };
 
+/// True iff a censored threshold is at an end of the scale, so that there is no level where it could lie
+/// beyond: artifacts at no level from the least clamped one on, or no change up to the most clamped one.
+bool is_at_scale_end(const Threshold& threshold, Experiment experiment, const ColumnCounts& counts);
+
 std::string format_rule(Rule rule);
 Rule parse_rule(std::string_view text, std::string_view source, std::string_view place = "");
 std::string format_status(CutStatus status);
+
+/// The same for a reader: "end of the scale" where a censored threshold is at one.
+std::string describe_status(const Threshold& threshold, Experiment experiment, const ColumnCounts& counts);
 
 /// "C4"; "< C7" of a material threshold that lies below all tested levels; "-" where there is none.
 std::string format_cut(const Threshold& threshold);

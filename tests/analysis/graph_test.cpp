@@ -120,6 +120,26 @@ TEST(Graph, draws_a_cell_paler_unless_every_experiment_its_colour_speaks_of_was_
   EXPECT_EQ(find_opacities(draw()), "..##.##....") << "at C4 nobody was asked of the material";
 }
 
+// A file of its own is all that a reader may have.
+TEST(Graph, in_a_file_of_its_own_says_whose_answers_by_what_rule_it_shows_and_what_it_means) {
+  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  const auto findings = find_in(planted);
+  const Object object = enumerate_objects(planted.study).front();
+  const auto draw = [&](SubjectKind kind, Rule rule) {
+    return draw_lone_graph(object, findings_of(findings, object), rule, "po<cket", kind);
+  };
+  const std::string svg = draw(SubjectKind::kPlanted, Rule::kPaper);
+  ASSERT_NO_THROW(read_xml(svg)) << svg;
+  for (const char* words :
+       {">PLANTED SUBJECTS, whose answers were put in<", ">study po&lt;cket, rule paper<", ">VPLs<",
+        ">clamp level, C10 most clamped<", "bold and underlined: supported", "Paler: inferred"})
+    EXPECT_EQ(count_of(svg, words), 1U) << words;
+  EXPECT_EQ(count_of(svg, "class=\"cell\""), 2U * 11U);
+  EXPECT_EQ(count_of(draw(SubjectKind::kPerson, Rule::kIsotonic), "PLANTED"), 0U);
+  EXPECT_EQ(count_of(draw(SubjectKind::kPerson, Rule::kIsotonic), ">answers of persons<"), 1U);
+  EXPECT_EQ(count_of(draw(SubjectKind::kLooking, Rule::kIsotonic), ">SIMULATED SUBJECTS"), 1U);
+}
+
 TEST(Graph, its_legend_is_well_formed_xml) { EXPECT_NO_THROW(read_xml(draw_legend())); }
 
 TEST(Graph, the_xml_reader_of_these_tests_refuses_an_element_left_open) {
@@ -128,6 +148,11 @@ TEST(Graph, the_xml_reader_of_these_tests_refuses_an_element_left_open) {
 
 TEST(Markup, escapes_the_five_characters) {
   EXPECT_EQ(escape_xml("<a href='x'>\"&\""), "&lt;a href=&#39;x&#39;&gt;&quot;&amp;&quot;");
+}
+
+TEST(Markup, wraps_between_words_and_lets_a_long_one_stand) {
+  EXPECT_EQ(wrap_words("ab cd efghijk l", 5), (std::vector<std::string>{"ab cd", "efghijk", "l"}));
+  EXPECT_TRUE(wrap_words("", 5).empty());
 }
 
 TEST(Markup, fills_every_place_and_wants_every_value_used) {

@@ -52,16 +52,21 @@ TEST(R, agrees_with_every_cell_and_fits_a_mixed_model) {
   save_text(folder / "cells.csv", format_csv(cells));
   const ChildResult result = run_script(folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  for (const char* words : {"q  ", "Clopper-Pearson, upper", "pocket artifact: 384 answers, 12 subjects",
-                            "distance", "overall pocket material", "fitted pocket artifact: mixed model, Laplace",
-                            "standard deviation of subjects, pocket artifact: ", "levels, pocket artifact: ",
-                            "levels, pocket material: "}) {
+  for (const char* words :
+       {"q  ", "Clopper-Pearson, upper", "pocket artifact: 384 answers, 12 subjects", "distance",
+        "overall pocket material", "fitted pocket artifact: mixed model, Laplace",
+        "standard deviation of subjects, pocket artifact: ", "levels, pocket artifact: ",
+        "levels, pocket material: "}) {
     EXPECT_NE(result.out.find(words), std::string::npos) << words << "\n" << result.out;
   }
   // The mutant: one more correct in a cell.
+  const auto place_of = [&](const char* column) {
+    return static_cast<std::size_t>(std::ranges::find(cells.columns, column) - cells.columns.begin());
+  };
+  const std::size_t k = place_of("k"), n = place_of("n");
   for (auto& row : cells.rows) {
-    if (row[8] != "0" && row[7] != row[8]) {
-      row[7] = fmt::format("{}", std::stoi(row[7]) + 1);
+    if (row.at(n) != "0" && row.at(k) != row.at(n)) {
+      row[k] = fmt::format("{}", std::stoi(row[k]) + 1);
       break;
     }
   }

@@ -2,17 +2,22 @@
 // files.
 #include "analysis/report_tables.h"
 
+#include <array>
+#include <boost/math/special_functions/beta.hpp>
 #include <chrono>
 #include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <map>
+#include <set>
 #include <thread>
 
 #include "analysis/answers_export.h"
 #include "analysis/figure.h"
 #include "analysis/interim.h"
 #include "analysis/program.h"
+#include "analysis/trend_bounds.h"
+#include "analysis/views.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/program.h"
@@ -215,6 +220,15 @@ TEST_F(Folders, hold_sessions_to_their_own_protocol_and_tell_who_is_left_out_and
         "Of 2 artifact sessions 1 used a session.json other than the one in the folder now"})
     EXPECT_NE(warnings.find(part), std::string::npos) << part << " in\n" << warnings;
   const std::string page = format_page({report});
+  EXPECT_NE(warnings.find("2 artifact sessions were not finished (1 ended early by the experimenter, 1 left "
+                          "unfinished): their 6 answers are left out."),
+            std::string::npos)
+      << warnings;
+  EXPECT_EQ(make_report_json({report}).at("studies").at(0).at("artifact").at("ended_early_sessions"),
+            Json(1));
+  EXPECT_NE(page.find("<tr><td>artifact</td><td class=\"number\">2</td><td class=\"number\">2</td>"
+                      "<td class=\"number\">1</td><td class=\"number\">1</td>"),
+            std::string::npos);
   EXPECT_NE(page.find("ended early (felt ill), left out"), std::string::npos);
   EXPECT_NE(page.find("2 of 4 (at least 2)"), std::string::npos);
 }
@@ -444,13 +458,14 @@ TEST_F(Folders, leave_out_a_trial_without_an_answer_and_say_so) {
   EXPECT_THAT(load({"a", "b"})[0].warnings, testing::Contains(testing::HasSubstr("have no answer")));
 }
 
-// A person without whom a verdict is another is named once for each such column.
+// A person without whom a verdict is another, or some level free of artifacts, is named once for each such
+// column.
 TEST_F(Folders, name_in_subjects_whom_the_flips_of_ee_count) {
   const auto tables = make_report_tables(load({"b", "n"}));
   const Table &subjects = find_table(tables, "subjects.csv"), &ee = find_table(tables, "ee.csv");
   std::int64_t all = 0;
   for (const std::string rule : {"paper", "isotonic"}) {
-    std::int64_t named = 0, counted = 0;
+    std::int64_t named = 0, counted = 0, of_free = 0;
     for (const auto& row : subjects.rows) {
       const std::string& keys = row[place_of(subjects, "turns_" + rule)];
       named += keys.empty() ? 0 : 1 + std::count(keys.begin(), keys.end(), ' ');
@@ -458,11 +473,93 @@ TEST_F(Folders, name_in_subjects_whom_the_flips_of_ee_count) {
     for (const auto& row : ee.rows) {
       const std::string& flips = row[place_of(ee, "flips_" + rule)];
       counted += flips.empty() ? 0 : std::stoll(flips);
+      const std::string& free = row[place_of(ee, "free_flips_" + rule)];
+      of_free += free.empty() ? 0 : std::stoll(free);
     }
-    EXPECT_EQ(named, counted) << rule;
+    EXPECT_EQ(named, counted + of_free) << rule;
     all += named;
   }
   EXPECT_GT(all, 0);
+}
+
+TEST_F(Folders, say_in_every_row_whose_answers_it_has) {
+  const auto kinds_of = [](const Table& table) {
+    std::set<std::string> kinds;
+    for (const auto& row : table.rows) kinds.insert(row.at(place_of(table, "kind")));
+    return kinds;
+  };
+  auto reports = load({"a", "n"});
+  for (const char* kind : {"planted", "person"}) {
+    for (const ReportTable& table : make_report_tables(reports))
+      EXPECT_THAT(kinds_of(table.table), testing::ElementsAre(kind)) << table.file;
+    EXPECT_THAT(kinds_of(make_answers_table(reports)), testing::ElementsAre(kind));
+    for (Report& report : reports) report.evidence.kind = SubjectKind::kPerson;
+  }
+}
+
+TEST_F(Folders, trace_what_the_page_alone_would_say) {
+  Report report = load({"a"})[0];
+  report.flipped_without_marked = {report.findings[2].column, report.findings[5].column};
+  const Json study = make_report_json({report}).at("studies").at(0);
+  EXPECT_EQ(study.at("flipped_without_marked"),
+            make_json({format_key(report.findings[2].column), format_key(report.findings[5].column)}));
+  // Half of Beta(1/2, 1/2) and more lies below one half: by numbers, cell by cell.
+  for (const auto& [name, tally] :
+       {std::pair("artifact", &report.artifact), {"material", &report.material}}) {
+    double most = 0;
+    for (const auto& [cell, count] : *tally) {
+      if (count.n == 0) continue;
+      const double a = static_cast<double>(count.k) + .5, b = static_cast<double>(count.n - count.k) + .5;
+      const double over = boost::math::ibetac(a, b, .75);
+      most = std::max(most, over / boost::math::ibetac(a, b, .5) - over);
+    }
+    EXPECT_NEAR(study.at(name).at("prior_cut_off_adds_at_most").as_double(), most, 1e-12) << name;
+  }
+  const std::string page = format_page({report});
+  EXPECT_NE(page.find("report.json (<code>flipped_without_marked</code>)"), std::string::npos);
+  EXPECT_NE(page.find("report.json (<code>prior_cut_off_adds_at_most</code>)"), std::string::npos);
+}
+
+// Of three trends that compare something the least p is thrice itself, then twice the next, and no less.
+TEST(LeastHolm, corrects_the_least_p_of_trends_that_compare_something) {
+  std::vector<Trend> trends(4);
+  const double least[] = {.01, .5, .02, .015};
+  for (std::size_t i = 0; i < 4; ++i) {
+    trends[i].p_least = least[i];
+    trends[i].status = i == 1 ? TrendStatus::kNoPairs : TrendStatus::kTested;
+  }
+  const std::vector<double> holm = find_least_holm(trends);
+  ASSERT_EQ(holm.size(), 4U);
+  EXPECT_DOUBLE_EQ(holm[0], .03);
+  EXPECT_DOUBLE_EQ(holm[1], 1);
+  EXPECT_DOUBLE_EQ(holm[2], .03);
+  EXPECT_DOUBLE_EQ(holm[3], .03);
+}
+
+// Trials go v0, v0, ... in these folders: one more view by hand.
+TEST_F(Folders, count_correct_answers_by_view) {
+  RawDatabase(StudyFolder{temporary_ / "a"}.responses())
+      .query("UPDATE trial SET test_key = replace(test_key, '-v0', '-v1') WHERE trial % 3 = 1");
+  const Report report = load({"a"})[0];
+  std::array<Count, 2> expected{};
+  std::map<std::int64_t, int> trials;
+  for (const AnswerRow& answer : report.evidence.material.answers) {
+    Count& count = expected[trials[answer.session]++ % 3 == 1 ? 1 : 0];
+    ++count.n;
+    count.k += answer.correct ? 1 : 0;
+  }
+  ASSERT_TRUE(count_by_view(report.evidence.material));
+  EXPECT_EQ(*count_by_view(report.evidence.material), expected);
+  EXPECT_EQ(make_report_json({report}).at("studies").at(0).at("material").at("by_view").at("v1").at("k"),
+            Json(expected[1].k));
+  const std::string row =
+      fmt::format("<tr><td>material</td><td class=\"number\">{} of {}</td>", expected[0].k, expected[0].n);
+  EXPECT_NE(format_page({report}).find(row), std::string::npos);
+  erase_answer(StudyFolder{temporary_ / "a"}, 1, 3);
+  const Report damaged = load({"a"})[0];
+  EXPECT_FALSE(count_by_view(damaged.evidence.artifact));
+  EXPECT_TRUE(count_by_view(damaged.evidence.material));
+  EXPECT_FALSE(count_by_view(ExperimentEvidence{}));
 }
 
 TEST_F(Folders, write_no_number_that_is_not_finite) {
@@ -490,6 +587,55 @@ TEST_F(Folders, make_a_figure_for_each_illumination_and_one_of_plain_above_norma
   EXPECT_EQ(figures[3].panels.size(), 8U);
   const std::string text = format_figure(figures[3], Rule::kPaper, FigureFormat::kPdf, "it's.pdf");
   EXPECT_NE(text.find("set output 'it''s.pdf'"), std::string::npos);
+}
+
+std::size_t count_parts(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+// What follows the line that opens a block of cells with this drawing in the panel: its rows.
+std::size_t count_cells(const std::string& text, const std::string& label) {
+  std::size_t count = 0;
+  for (auto at = text.find(", $b"); at != std::string::npos; at = text.find(", $b", at + 1)) {
+    const std::string block = text.substr(at + 2, text.find(' ', at + 2) - at - 2);
+    if (!text.substr(at).starts_with(", " + block + " using 1:2:('" + label + "')")) continue;
+    const auto begin = text.rfind(block + " << EOD\n", at);
+    count += count_parts(text.substr(begin, text.find("\nEOD", begin) - begin), " 0.5 0.5");
+  }
+  return count;
+}
+
+// Of each E and (E): whether both experiments were asked there; and of each frame: whether it is supported.
+TEST_F(Folders, make_figures_that_say_whose_answers_they_show_and_tell_tested_levels_from_inferred_ones) {
+  auto reports = load({"a"});
+  std::size_t asked = 0, inferred = 0, supported = 0;
+  for (const ColumnFinding& column : reports[0].findings) {
+    const RuleFinding& under = column.under(Rule::kPaper);
+    supported += under.supported.size();
+    for (const int level : under.green) {
+      const auto i = static_cast<std::size_t>(level);
+      ++(column.artifact[i].count.n > 0 && column.material[i].count.n > 0 ? asked : inferred);
+    }
+  }
+  ASSERT_GT(asked, 0U);
+  ASSERT_GT(inferred, 0U);
+  ASSERT_GT(supported, 0U);
+  const auto format = [&] {
+    return format_figure(make_figures(reports)[0], Rule::kPaper, FigureFormat::kSvg, "x.svg");
+  };
+  const std::string text = format();
+  EXPECT_EQ(count_cells(text, "E"), asked);
+  EXPECT_EQ(count_cells(text, "(E)"), inferred);
+  EXPECT_EQ(count_parts(text, " 0.42 0.40\n"), supported);
+  EXPECT_NE(text.find("PLANTED SUBJECTS"), std::string::npos);
+  EXPECT_NE(text.find("rule paper"), std::string::npos);
+  EXPECT_EQ(count_parts(text, "set xlabel 'VPLs'"), 4U);
+  EXPECT_EQ(count_parts(text, "set ylabel 'clamp level, C10 most clamped'"), 4U);
+  reports[0].evidence.kind = SubjectKind::kPerson;
+  EXPECT_EQ(format().find("PLANTED"), std::string::npos);
+  EXPECT_NE(format().find("answers of persons"), std::string::npos);
 }
 
 // A normalised study of the name of an illumination.
@@ -588,7 +734,9 @@ TEST_F(Folders, with_a_session_that_was_aborted_leave_it_out_and_say_so) {
   EXPECT_EQ(reports[0].artifact_subjects.sessions.size(), 13U);
   const auto& warnings = reports[0].warnings;
   EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
-    return warning == "1 artifact sessions were not finished: their 1 answers are left out.";
+    return warning ==
+           "1 artifact sessions were not finished (0 ended early by the experimenter, 1 left "
+           "unfinished): their 1 answers are left out.";
   }));
   EXPECT_NE(format_page(reports).find("not finished, left out"), std::string::npos);
 }

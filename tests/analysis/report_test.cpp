@@ -12,7 +12,7 @@
 #include "analysis/csv.h"
 #include "analysis/report_tables.h"
 #include "base/files.h"
-#include "tests/analysis/columns.h"
+#include "tests/analysis/planted_report.h"
 
 namespace equilux::tests {
 namespace {
@@ -27,38 +27,6 @@ class Folder {
   ~Folder() { fs::remove_all(path); }
   fs::path path;
 };
-
-ExperimentEvidence make_evidence(const PlantedStudy& planted, Experiment experiment, SubjectKind kind,
-                                 int subjects) {
-  ExperimentEvidence evidence;
-  evidence.answers = experiment == Experiment::kArtifact ? planted.artifact : planted.material;
-  evidence.unfinished = 1;
-  evidence.digest = std::string(64, 'a');
-  for (int i = 0; i < subjects; ++i) {
-    SessionRow row;
-    row.id = i + 1;
-    row.kind = kind;
-    row.experiment = experiment;
-    row.subject_index = i;
-    row.seed = 7;
-    row.program_version = "0.1.0";
-    row.digests.study = planted.study.digest;
-    row.digests.manifest = std::string(64, 'b');
-    if (experiment == Experiment::kMaterial) row.digests.selection = digest_selection(planted.selection);
-    row.complete = true;
-    evidence.finished.push_back(row);
-  }
-  return evidence;
-}
-
-Report make_planted_report(const PlantedStudy& planted, SubjectKind kind = SubjectKind::kPlanted,
-                           Rule rule = Rule::kPaper) {
-  const Evidence evidence{kind, make_evidence(planted, Experiment::kArtifact, kind, 12),
-                          make_evidence(planted, Experiment::kMaterial, kind, 14)};
-  return make_report(planted.study, evidence, rule, {planted.selection, std::nullopt, std::nullopt});
-}
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // Tags that HTML closes must nest; the void ones stand alone.
 bool is_balanced(const std::string& html) {
@@ -164,169 +132,24 @@ TEST(Report, names_every_cause_of_a_selection_from_other_answers) {
   EXPECT_TRUE(has(warning, "withdrawn after it, or it was pruned elsewhere")) << warning;
 }
 
-// What stands in a folder of the pocket study, with a manifest of two pictures.
-ReportSources make_sources(const PlantedStudy& planted) {
-  ReportSources sources{planted.selection, load_windows(planted.study.windows_path, planted.study),
-                        Manifest{}};
-  sources.manifest->seed = 1;
-  sources.manifest->pictures["G0-MS-ind-1k-C4-v0"] = {"pictures/a.png", "aaaa", "", nullptr};
-  sources.manifest->pictures["G0-MS-ind-ref-v0"] = {"pictures/b.png", "bbbb", "", nullptr};
-  sources.protocol = load_session_protocol(planted.study.session_path);
-  return sources;
+TEST(Report, names_every_factor_once) {
+  const std::string page = format_page({make_planted_report(make_planted_study("paper", 12, 14, 1, 0.02))});
+  for (const char* factor : {"geometry", "material", "illumination", "VPL count", "clamp level", "view"}) {
+    const std::string row = fmt::format("<tr><td>{}</td><td>", factor);
+    EXPECT_TRUE(has(page, row)) << factor;
+  }
+  for (const char* factor : {"geometry", "illumination"}) {
+    const std::string row = fmt::format("<tr><td>{}</td><td>", factor);
+    EXPECT_EQ(page.find(row), page.rfind(row)) << factor;
+  }
+  EXPECT_TRUE(has(page, "<tr><td></td><td>G2</td>") && has(page, "<tr><td></td><td>G3</td>"));
 }
 
-TEST(PoolSources, keeps_what_is_the_same_in_all) {
-  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  const ReportSources all = pool_sources({make_sources(planted), make_sources(planted)}, {"a", "b"});
-  ASSERT_TRUE(all.manifest && all.windows && all.selection && all.protocol);
-  EXPECT_EQ(all.manifest->pictures.size(), 2U);
-  EXPECT_EQ(digest_selection(*all.selection), digest_selection(planted.selection));
-  EXPECT_TRUE(all.selections.empty());
-}
-
-TEST(PoolSources, leaves_out_a_manifest_of_other_pictures_or_another_seed_and_other_windows) {
-  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  const ReportSources one = make_sources(planted);
-  ReportSources other = one;
-  other.manifest->pictures["G0-MS-ind-1k-C4-v0"].digest = "cccc";
-  EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).manifest);
-  other = one;
-  other.manifest->seed = 2;
-  EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).manifest);
-  other = one;
-  other.manifest->pictures.erase("G0-MS-ind-ref-v0");
-  EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).manifest);
-  other = one;
-  other.manifest.reset();
-  EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).manifest);
-  EXPECT_FALSE(pool_sources({other, one}, {"a", "b"}).manifest);
-  other = one;
-  other.windows->digest = std::string(64, 'e');
-  other.protocol->digest = std::string(64, 'e');
-  EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).windows);
-  EXPECT_FALSE(pool_sources({one, other}, {"a", "b"}).protocol);
-}
-
-TEST(PoolSources, of_other_selections_keeps_each_digest_and_invents_none) {
-  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  const ReportSources one = make_sources(planted);
-  ReportSources other = one;
-  SelectedColumn& column = other.selection->columns.front();
-  other.selection->rule = "isotonic";
-  other.selection->answers_digest = std::string(64, 'e');
-  column.artifact_cut = 9;
-  column.levels = {9, 10};
-  const ReportSources all = pool_sources({one, other}, {"a", "b"});
-  ASSERT_TRUE(all.selection);
-  EXPECT_EQ(all.selection->rule, "");
-  EXPECT_EQ(all.selection->answers_digest, "");
-  EXPECT_FALSE(all.selection->columns[0].artifact_cut);
-  EXPECT_EQ(all.selection->columns[1].artifact_cut, planted.selection.columns[1].artifact_cut);
-  for (const int level : {9, 10})
-    EXPECT_EQ(
-        std::count(all.selection->columns[0].levels.begin(), all.selection->columns[0].levels.end(), level),
-        1);
-  ASSERT_EQ(all.selections.size(), 2U);
-  EXPECT_EQ(all.selections[0].folder, "a");
-  EXPECT_EQ(all.selections[0].digest, digest_selection(*one.selection));
-  EXPECT_EQ(all.selections[1].answers_digest, std::string(64, 'e'));
-  Report report = make_planted_report(planted);
-  report.selection = all.selection;
-  report.selections = all.selections;
-  const std::string page = format_page({report});
-  EXPECT_TRUE(has(page, "<dt>selection of b: digest</dt><dd><span class=\"digest\">" +
-                            digest_selection(*other.selection)));
-  EXPECT_FALSE(has(page, digest_selection(*all.selection))) << "nobody made that selection";
-  other.selection.reset();
-  const ReportSources some = pool_sources({one, other}, {"a", "b"});
-  EXPECT_FALSE(some.selection);
-  EXPECT_EQ(some.selections.size(), 1U);
-}
-
-TEST(PoolWarnings, name_the_folders_whose_pictures_or_windows_differ) {
-  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  const auto kind = SubjectKind::kPlanted;
-  const Evidence ours{kind, make_evidence(planted, Experiment::kArtifact, kind, 12),
-                      make_evidence(planted, Experiment::kMaterial, kind, 14)};
-  const ReportSources one = make_sources(planted);
-  ReportSources other = one;
-  Evidence theirs = ours;
-  const auto warnings = [&] { return find_pool_warnings({{"a", ours, one}, {"b", theirs, other}}); };
-  EXPECT_TRUE(warnings().empty());
-  other.manifest->pictures["G0-MS-ind-1k-C4-v0"].digest = "cccc";
-  EXPECT_EQ(warnings(), std::vector<std::string>{
-                            "Answers about different pictures are added up: of 2 pictures that a and b both "
-                            "have, 1 differ, the first G0-MS-ind-1k-C4-v0."});
-  other.manifest.reset();
-  EXPECT_TRUE(warnings().empty());
-  for (SessionRow& row : theirs.artifact.finished) row.digests.manifest = std::string(64, 'd');
-  EXPECT_EQ(warnings(), std::vector<std::string>{
-                            "Answers about different pictures are added up: artifact sessions recorded "
-                            "different sets of pictures, a (bbbbbbbbbbbb...); b (dddddddddddd...)."});
-  for (SessionRow& row : theirs.artifact.finished) row.digests.windows = std::string(64, 'w');
-  EXPECT_TRUE(warnings().empty()) << "other windows show other pictures";
-  other.windows->digest = std::string(64, 'w');
-  ASSERT_EQ(warnings().size(), 1U);
-  EXPECT_TRUE(has(warnings()[0], "The clamp windows differ between folders"));
-  EXPECT_TRUE(has(warnings()[0], "b (wwwwwwwwwwww...)"));
-}
-
-// The first column of the pocket study alone: 12 and 14 subjects, of whom the first k were right.
-PlantedStudy answer_column(const std::map<int, int>& artifact, const std::map<int, int>& material) {
-  PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
-  const Column column = enumerate_columns(planted.study).front();
-  const auto answer = [&](std::vector<AnswerRow>& answers, const std::map<int, int>& cells, int subjects) {
-    answers.clear();
-    for (int subject = 0; subject < subjects; ++subject) {
-      for (const auto& [level, k] : cells)
-        answers.push_back({subject + 1, subject, Cell{column, level, false}, subject < k});
-    }
-  };
-  answer(planted.artifact, artifact, 12);
-  answer(planted.material, material, 14);
-  return planted;
-}
-
-// Artifacts at every tested level, C1 to C4: the rule takes C5 to C10 to be free of them, and all agree.
-TEST(Report, says_of_what_was_never_tested_for_artifacts_that_it_is_taken_for_granted) {
-  const std::map<int, int> material{{5, 3}, {7, 3}, {9, 3}, {10, 3}};
-  const std::string beyond =
-      format_page({make_planted_report(answer_column({{1, 12}, {2, 12}, {3, 12}, {4, 12}}, material))});
-  EXPECT_TRUE(has(beyond, "in both experiments, 0 have a verdict"));
-  EXPECT_TRUE(has(beyond, "(1 more would, but stand on levels alone that were never tested for artifacts"));
-  EXPECT_TRUE(has(beyond, "&ge; C5 <span class=\"note\">censored_high</span>"));
-  EXPECT_FALSE(has(beyond, "it grants only"));
-  const std::string within =
-      format_page({make_planted_report(answer_column({{3, 12}, {4, 12}, {5, 1}, {6, 1}}, material))});
-  EXPECT_TRUE(has(within, "in both experiments, 1 have a verdict"));
-  EXPECT_FALSE(has(within, "never tested for artifacts, of which"));
-  EXPECT_TRUE(has(within, "<td>C5</td>"));
-  const std::string free =
-      format_page({make_planted_report(answer_column({{5, 1}, {6, 1}, {7, 1}, {8, 1}}, material))});
-  EXPECT_TRUE(has(free, "&le; C5 <span class=\"note\">censored_low</span>"));
-  EXPECT_TRUE(has(free, "8 of 12 becomes 8 of 11 at most")) << "what leaving one out cannot see";
-}
-
-TEST(Report, tells_columns_in_which_nobody_was_asked_about_the_material_apart) {
-  const auto page = [](const std::map<int, int>& artifact, const std::map<int, int>& material) {
-    return format_page({make_planted_report(answer_column(artifact, material))});
-  };
-  EXPECT_TRUE(has(page({{7, 12}, {8, 12}, {9, 12}, {10, 12}}, {}),
-                  "In 1 of the columns without one nobody was asked about the material: no level was left"));
-  EXPECT_FALSE(has(page({{7, 12}, {8, 12}, {9, 1}, {10, 1}}, {{9, 14}, {10, 14}}),
-                   "columns without one nobody was asked about the material"));
-}
-
-TEST(Report, prints_cuts_below_the_tested_levels_and_bounds_where_nobody_was_asked) {
-  const Report below =
-      make_planted_report(answer_column({{4, 12}, {5, 12}, {6, 12}, {7, 1}}, {{7, 14}, {9, 14}, {10, 14}}));
-  EXPECT_TRUE(has(format_page({below}), "<td>&lt; C7 <span class=\"note\">censored_low</span></td>"));
-  EXPECT_TRUE(has(make_report_files({below}).at("thresholds.csv"),
-                  "paper,,censored_low,true,true,C7 C9 C10,,none,C6\n"));
-  const std::string dropped =
-      format_page({make_planted_report(answer_column({{7, 12}, {8, 12}, {9, 12}, {10, 10}}, {}))});
-  EXPECT_TRUE(has(dropped, "<td>&minus;</td><td>&ndash;</td><td>&le; 0."));
-  EXPECT_TRUE(has(dropped, "no level is left free of artifacts</td>"));
+TEST(Report, says_what_its_posterior_leaves_out_and_where_subjects_are_modelled) {
+  const std::string page = format_page({make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02))});
+  EXPECT_TRUE(has(page, "It takes the cells of a column as independent"));
+  EXPECT_TRUE(has(page, "<code>analysis/r/mixed_models.R</code>"));
+  EXPECT_TRUE(has(page, "Of which view each was is not known here.")) << "these have no trials";
 }
 
 // C7 to C9 look free and C10 does not: pruned by `paper`, and read under `isotonic`, which pools them.

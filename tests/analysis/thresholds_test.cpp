@@ -36,6 +36,30 @@ TEST(ArtifactCut, lies_just_after_the_most_clamped_flagged_level) {
   EXPECT_EQ(states_of(threshold), "xxxxx======");
 }
 
+// Nothing is less clamped than C0, and nothing more than C10.
+TEST(Cuts, at_an_end_of_the_scale_lie_beyond_nothing) {
+  const auto at_end = [](const Threshold& threshold, Experiment experiment, const ColumnCounts& counts) {
+    EXPECT_EQ(describe_status(threshold, experiment, counts) == "end of the scale",
+              is_at_scale_end(threshold, experiment, counts));
+    return is_at_scale_end(threshold, experiment, counts);
+  };
+  const auto of_artifacts = [&](const ColumnCounts& counts) {
+    return at_end(artifact(counts), Experiment::kArtifact, counts);
+  };
+  const auto of_material = [&](const ColumnCounts& counts) {
+    return at_end(material(counts), Experiment::kMaterial, counts);
+  };
+  EXPECT_TRUE(of_artifacts(make_window(0, {6, 6, 6, 6})));
+  EXPECT_FALSE(of_artifacts(make_window(1, {6, 6, 6, 6})));
+  EXPECT_FALSE(of_artifacts(make_window(0, {12, 6, 6, 6})));
+  EXPECT_FALSE(of_artifacts(make_window(6, {12, 12, 12, 12}))) << "C10, untested, is beyond";
+  EXPECT_FALSE(of_artifacts(make_window(7, {12, 12, 12, 12}))) << "no level is free";
+  EXPECT_TRUE(of_material(make_window(7, {6, 6, 6, 6})));
+  EXPECT_FALSE(of_material(make_window(6, {6, 6, 6, 6})));
+  EXPECT_FALSE(of_material(make_window(7, {6, 6, 6, 12})));
+  EXPECT_FALSE(of_material(make_window(7, {12, 12, 12, 12})));
+}
+
 TEST(ArtifactCut, with_nothing_flagged_is_the_windows_first_level_and_censored_low) {
   const auto threshold = artifact(make_window(4, {8, 6, 6, 5}));
   EXPECT_EQ(threshold.cut, 4);
