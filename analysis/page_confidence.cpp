@@ -178,7 +178,7 @@ Firmness count_firm(const Report& report, Rule rule) {
     const RuleUncertainty& under = report.uncertainty.columns[c].under(rule);
     if (finding.verdict == Verdict::kExists) ++sum.exists;
     if (!finding.supported.empty()) ++sum.supported;
-    sum.of_one_subject += report.uncertainty.columns[c].status == UncertaintyStatus::kOneSubject ? 1 : 0;
+    sum.of_one_subject += under.status == UncertaintyStatus::kOneSubject ? 1 : 0;
     if (!under.posterior || !under.bootstrap) continue;
     ++sum.judged;
     if (is_shared(finding, under)) ++(rests_on_untested(report.findings[c], rule) ? sum.assumed : sum.firm);

@@ -2,15 +2,19 @@
 #include "analysis/thresholds.h"
 
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
 
 #include "base/error.h"
 
 namespace equilux {
 namespace {
 
-std::vector<std::size_t> find_tested(const ColumnCounts& counts) {
-  std::vector<std::size_t> tested;
-  tested.reserve(counts.size());
+// A column is judged millions of times: what is as long as the scale takes no memory of the heap.
+template <typename T>
+using Levels = boost::container::small_vector<T, kClampLevelCount>;
+
+Levels<std::size_t> find_tested(const ColumnCounts& counts) {
+  Levels<std::size_t> tested;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     if (counts[i].count.n > 0) tested.push_back(i);
   }
@@ -144,8 +148,7 @@ ColumnCounts pool_adjacent_violators(const ColumnCounts& counts, Experiment expe
     std::size_t members;  // neighbours among the tested levels
   };
   const auto tested = find_tested(counts);
-  std::vector<Pool> pools;
-  pools.reserve(tested.size());
+  Levels<Pool> pools;
   for (const std::size_t i : tested) {
     pools.push_back({counts[i].count, 1});
     while (pools.size() > 1 && is_violation(pools[pools.size() - 2].sum, pools.back().sum, experiment)) {
