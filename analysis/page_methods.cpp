@@ -257,15 +257,17 @@ std::string format_asked(const Report& report) {
 }
 
 std::string format_answered(const Report& report) {
-  Table table{{"experiment", "finished sessions", "of so many codes", "ended early, left out",
-               "unfinished, left out", "answers", "cells tested", "answers per cell"},
+  Table table{{"experiment", "finished sessions", "of so many codes", "ended early", "unfinished", "answers",
+               "cells tested", "answers per cell"},
               {}};
   for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
     table.rows.push_back(answered_row(report, experiment));
   }
   return format_html_table(table, 1) +
          fmt::format(
-             "<p class=\"note\">Only finished sessions of the kind <i>{}</i> count; kinds never mix.</p>\n",
+             "<p class=\"note\">Only finished sessions of the kind <i>{}</i> count: those ended early or "
+             "left "
+             "unfinished are left out, and kinds never mix.</p>\n",
              format_kind(report.evidence.kind)) +
          format_views(report) + format_participation(report);
 }
