@@ -62,7 +62,7 @@ window=$(xdotool search --name Equilux | head -1)
 xdotool windowsize "$window" 1000 800; shoot wrong-size
 kill $program; sleep 1
 resumed; shoot resumed
-prlimit --pid $program --fsize=0; press space Right; shoot stopped
+prlimit --pid $program --fsize=0; press space space Right; shoot stopped
 press Return; sleep 1
 
 # Material, as far as its first pair; then the session is ended.
