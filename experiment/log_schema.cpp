@@ -26,7 +26,7 @@ constexpr std::int64_t kApplicationId = 0x45514C58;  // "EQLX"
 constexpr std::size_t kIdentityDigits = 32;
 constexpr const char* kPartSuffix = ".part";
 constexpr const char* kDamageAdvice = "keep this file as it is, and go on with a copy from before";
-// No log of any schema is as small; whether a larger file is one need not be asked of SQLite.
+// A file that nobody wrote into has a page at most; of a larger one SQLite need not be asked.
 constexpr std::uintmax_t kLargestEmpty = 65536;
 constexpr const char* kInMemory = ":memory:";  // SQLite's name for no file
 
@@ -279,8 +279,11 @@ bool has_log(const fs::path& path) {
   const auto size = fs::file_size(path, none);
   if (none) return fs::exists(path);
   if (size > kLargestEmpty) return true;
+  const OpenMode mode = choose_reading(path);
+  const auto wal_size = fs::file_size(path.string() + kWalSuffix, none);
+  if (mode == OpenMode::kStill && !none && wal_size > 0) return true;  // what it holds cannot be read here
   try {
-    return !is_empty(Database(path, choose_reading(path)));
+    return !is_empty(Database(path, mode));
   } catch (const std::exception&) {
     return true;  // what it is instead is told by who opens it
   }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "experiment/trial_log.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
@@ -77,6 +78,18 @@ TEST_F(Snapshot, OfAClosedLogInAReadOnlyFolderSeesItsAnswersAndTouchesNothing) {
     EXPECT_TRUE(sees_answer());
   }
   EXPECT_EQ(load_files(), before);
+}
+
+// What was recorded may all be in a WAL that cannot be read there: to say "no sessions" would be a guess.
+TEST_F(Snapshot, AReadOnlyFileOfNobodyWithAWalIsNotTakenForNone) {
+  RawDatabase(path_).query("PRAGMA journal_mode = WAL");
+  {
+    const ReadOnlyFolder read_only(folder_.path());
+    EXPECT_FALSE(TrialLog::is_at(path_));
+  }
+  save_text(path_.string() + "-wal", std::string(100, 'x'));
+  const ReadOnlyFolder read_only(folder_.path());
+  EXPECT_TRUE(TrialLog::is_at(path_));
 }
 
 TEST_F(Snapshot, OfALogThatCannotBeReadIsAStoreError) {
