@@ -2,13 +2,13 @@
 #include "analysis/posterior.h"
 
 #include <algorithm>
-#include <boost/random/beta_distribution.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "analysis/beta.h"
 #include "analysis/resampled.h"
 #include "base/random.h"
 
@@ -17,22 +17,6 @@ namespace {
 
 // A drawn proportion as k of n of this order: products of the sums of two pools of a column stay below 2^63.
 constexpr std::int64_t kDrawScale = std::int64_t{1} << 28;
-
-// What Boost draws from.
-class Bits {
- public:
-  using result_type = std::uint32_t;
-  explicit Bits(RandomStream stream) : stream_(stream) {}
-  static constexpr result_type min() { return 0; }
-  static constexpr result_type max() { return ~result_type{0}; }
-  result_type operator()() { return stream_.next_u32(); }
-  double next_double() { return stream_.next_double(); }
-
- private:
-  RandomStream stream_;
-};
-
-using Beta = boost::random::beta_distribution<double>;
 
 Beta make_beta(const Count& count) {
   return Beta(static_cast<double>(count.k) + 0.5, static_cast<double>(count.n - count.k) + 0.5);
@@ -51,7 +35,7 @@ Count count_of(double proportion, std::int64_t n) {
 // Draws of one cell's proportion from its posterior, as counts in which n keeps its weight among the others.
 std::vector<Count> draw_cell(const Count& count, std::int64_t largest_n, const std::string& stream,
                              const PosteriorParams& params) {
-  Bits bits(RandomStream(params.seed, stream, 0));
+  RandomBits bits(RandomStream(params.seed, stream, 0));
   Beta posterior = make_beta(count);
   const std::int64_t n = count.n * (kDrawScale / largest_n);
   std::vector<Count> draws(static_cast<std::size_t>(params.draws));
@@ -62,8 +46,8 @@ std::vector<Count> draw_cell(const Count& count, std::int64_t largest_n, const s
 // From the part of x^(a - 1) (1 - x)^(b - 1) above one half where that is far in its upper tail: below an
 // exponential that touches the density at one half, of which most is kept. The first factor bends the other
 // way for a < 1, where it falls: there the second alone sets the slope.
-double draw_tail(const Beta& posterior, Bits& bits) {
-  const double a = posterior.alpha() - 1, b = posterior.beta() - 1, slope = 2 * (b - std::max(a, 0.0));
+double draw_tail(const Beta& posterior, RandomBits& bits) {
+  const double a = posterior.a() - 1, b = posterior.b() - 1, slope = 2 * (b - std::max(a, 0.0));
   for (;;) {
     const double beyond = -std::log1p(-bits.next_double()) / slope, x = 0.5 + beyond;
     const double accept = bits.next_double();
@@ -73,8 +57,8 @@ double draw_tail(const Beta& posterior, Bits& bits) {
 
 // One of the posterior cut off below one half. Further than a standard deviation from its mean the tail is
 // drawn by itself, so that no cell takes long.
-double draw_above_half(Beta& posterior, Bits& bits) {
-  const double a = posterior.alpha(), b = posterior.beta();
+double draw_above_half(Beta& posterior, RandomBits& bits) {
+  const double a = posterior.a(), b = posterior.b();
   if (b - a > std::sqrt(a + b)) return draw_tail(posterior, bits);
   double x = 0;
   while (x < 0.5) x = posterior(bits);
@@ -83,7 +67,7 @@ double draw_above_half(Beta& posterior, Bits& bits) {
 
 std::vector<Count> lift_above_half(std::vector<Count> draws, const Count& count, const std::string& stream,
                                    std::uint64_t seed) {
-  Bits bits(RandomStream(seed, stream, 0));
+  RandomBits bits(RandomStream(seed, stream, 0));
   Beta posterior = make_beta(count);
   for (Count& draw : draws) {
     if (2 * draw.k < draw.n) draw = count_of(draw_above_half(posterior, bits), draw.n);
@@ -120,23 +104,31 @@ Draws lift_column(Draws draws, const ColumnCounts& counts, Experiment experiment
   return draws;
 }
 
-void take_draw(ColumnCounts& counts, const Draws& draws, std::size_t number) {
-  for (const auto& [place, values] : draws) counts[place].count = values[number];
-}
+// A column's counts with those of one draw after another. Untested levels stay so.
+class DrawnColumn {
+ public:
+  DrawnColumn(std::size_t levels, const Draws& draws) : counts_(levels), draws_(draws) {}
+
+  CountSpan take(std::size_t number) {
+    for (const auto& [place, values] : draws_) counts_[place] = values[number];
+    return counts_;
+  }
+
+ private:
+  std::vector<Count> counts_;
+  const Draws& draws_;
+};
 
 RuleShares get_shares(const std::array<Share, 2>& shares) { return {shares[0].get(), shares[1].get()}; }
 
-// `artifact` and `material` serve as room for the draws.
-RuleShares judge_draws(ColumnCounts artifact, ColumnCounts material, const Draws& seen, const Draws& changed,
-                       int draws) {
+RuleShares judge_draws(std::size_t levels, const Draws& seen, const Draws& changed, int draws) {
   std::array<Share, 2> shares;
+  DrawnColumn artifact(levels, seen), material(levels, changed);
   for (std::size_t draw = 0; draw < static_cast<std::size_t>(draws); ++draw) {
-    take_draw(artifact, seen, draw);
-    take_draw(material, changed, draw);
-    for (const Rule rule : kRules) {
-      shares[static_cast<std::size_t>(rule)].add(judge_resample(
-          find_cut(artifact, Experiment::kArtifact, rule), find_cut(material, Experiment::kMaterial, rule)));
-    }
+    const auto artifact_cuts = place_cuts(artifact.take(draw), Experiment::kArtifact),
+               material_cuts = place_cuts(material.take(draw), Experiment::kMaterial);
+    for (std::size_t r = 0; r < shares.size(); ++r)
+      shares[r].add(judge_resample(artifact_cuts[r], material_cuts[r]));
   }
   return get_shares(shares);
 }
@@ -152,20 +144,19 @@ EquivalencePosterior find_posterior(const ColumnFinding& column, const Posterior
   };
   const Draws artifact = draw(column.artifact, Experiment::kArtifact),
               material = draw(column.material, Experiment::kMaterial);
-  return {
-      judge_draws(column.artifact, column.material, artifact, material, params.draws),
-      judge_draws(column.artifact, column.material, lift(artifact, column.artifact, Experiment::kArtifact),
-                  lift(material, column.material, Experiment::kMaterial), params.draws)};
+  const std::size_t levels = column.artifact.size();
+  return {judge_draws(levels, artifact, material, params.draws),
+          judge_draws(levels, lift(artifact, column.artifact, Experiment::kArtifact),
+                      lift(material, column.material, Experiment::kMaterial), params.draws)};
 }
 
 RuleShares find_free_posterior(const ColumnFinding& column, const PosteriorParams& params) {
-  ColumnCounts counts = column.artifact;
-  const Draws draws = draw_column(counts, Experiment::kArtifact, column.column, params);
+  const Draws draws = draw_column(column.artifact, Experiment::kArtifact, column.column, params);
+  DrawnColumn artifact(column.artifact.size(), draws);
   std::array<Share, 2> shares;
   for (std::size_t draw = 0; draw < static_cast<std::size_t>(params.draws); ++draw) {
-    take_draw(counts, draws, draw);
-    for (const Rule rule : kRules)
-      shares[static_cast<std::size_t>(rule)].add(judge_free(find_cut(counts, Experiment::kArtifact, rule)));
+    const auto cuts = place_cuts(artifact.take(draw), Experiment::kArtifact);
+    for (std::size_t r = 0; r < shares.size(); ++r) shares[r].add(judge_free(cuts[r]));
   }
   return get_shares(shares);
 }

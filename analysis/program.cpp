@@ -2,6 +2,7 @@
 #include "analysis/program.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <future>
 #include <map>
@@ -10,9 +11,11 @@
 
 #include "analysis/answers_export.h"
 #include "analysis/figure.h"
+#include "analysis/pool.h"
 #include "analysis/prune.h"
 #include "analysis/report_tables.h"
 #include "analysis/tables.h"
+#include "analysis/warnings.h"
 #include "analysis/window_choice.h"
 #include "base/digest.h"
 #include "base/error.h"
@@ -210,16 +213,17 @@ std::vector<std::filesystem::path> sort_folders(const std::vector<std::filesyste
   return {sorted.begin(), sorted.end()};
 }
 
-// Logs are read side by side, each by one thread.
+// Logs are read side by side, each by one thread, the next one by whichever has finished its last.
 std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
   const auto folders = sort_folders(params.study_folders);
   std::vector<FolderReading> readings(folders.size());
   const std::size_t threads =
       std::min<std::size_t>(folders.size(), std::max(1U, std::thread::hardware_concurrency()));
+  std::atomic<std::size_t> next{0};
   std::vector<std::future<void>> running;
   for (std::size_t thread = 0; thread < threads; ++thread) {
-    running.push_back(std::async(std::launch::async, [&, thread] {
-      for (std::size_t i = thread; i < folders.size(); i += threads)
+    running.push_back(std::async(std::launch::async, [&] {
+      for (std::size_t i = next++; i < folders.size(); i = next++)
         readings[i] = read_folder(StudyFolder{folders[i]}, params);
     }));
   }

@@ -1,21 +1,21 @@
-// Two thresholds of a draw to its verdict.
+// Two cuts of a draw to its verdict.
 #include "analysis/resampled.h"
+
+#include <algorithm>
 
 namespace equilux {
 
-bool is_any_equivalent(const Threshold& artifact, const Threshold& material) {
-  for (std::size_t i = 0; i < artifact.states.size(); ++i) {
-    if (artifact.states[i] == LevelState::kSame && material.states[i] == LevelState::kSame) return true;
-  }
-  return false;
+bool is_any_equivalent(const PlacedCut& artifact, const PlacedCut& material) {
+  const Places &free = artifact.same, &unchanged = material.same;
+  return std::max(free.begin, unchanged.begin) < std::min(free.end, unchanged.end);
 }
 
-Resampled judge_free(const Threshold& artifact) {
+Resampled judge_free(const PlacedCut& artifact) {
   if (artifact.status == CutStatus::kUntested) return Resampled::kUntested;
   return artifact.status == CutStatus::kNone ? Resampled::kNone : Resampled::kExists;
 }
 
-Resampled judge_resample(const Threshold& artifact, const Threshold& material) {
+Resampled judge_resample(const PlacedCut& artifact, const PlacedCut& material) {
   const Resampled free = judge_free(artifact);
   if (free != Resampled::kExists) return free;
   if (material.status == CutStatus::kUntested) return Resampled::kUntested;

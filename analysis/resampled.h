@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "analysis/thresholds.h"
+#include "analysis/placed_cut.h"
 
 namespace equilux {
 
@@ -16,13 +16,13 @@ enum class Resampled : std::uint8_t {
 };
 
 /// True iff some level is free of artifacts and of the same material.
-bool is_any_equivalent(const Threshold& artifact, const Threshold& material);
+bool is_any_equivalent(const PlacedCut& artifact, const PlacedCut& material);
 
 /// Whether some level is free of artifacts.
-Resampled judge_free(const Threshold& artifact);
+Resampled judge_free(const PlacedCut& artifact);
 
 /// Whether some level is equivalent.
-Resampled judge_resample(const Threshold& artifact, const Threshold& material);
+Resampled judge_resample(const PlacedCut& artifact, const PlacedCut& material);
 
 /// Share of verdicts that are kExists, of those that are not kUntested.
 class Share {

@@ -3,30 +3,11 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "analysis/tally.h"
-#include "protocols/experiment.h"
+#include "analysis/placed_cut.h"
 
 namespace equilux {
-
-/// What to do when a column is not monotone. paper: the artifact cut is at the most clamped flagged level,
-/// the material region opens at the first changed one. isotonic: proportions are first made monotone by
-/// pooling adjacent violators, weighted by n; then the same. Both agree where the flags are monotone.
-enum class Rule { kPaper, kIsotonic };
-
-inline constexpr Rule kRules[] = {Rule::kPaper, Rule::kIsotonic};
-
-enum class CutStatus {
-  kCut,          ///< found between two tested levels
-  kCensoredLow,  ///< no tested level has artifacts: the threshold is at the first of them or less clamped; or
-                 ///< all have changed: it is less clamped than the first of them
-  kCensoredHigh,  ///< artifacts still at the most clamped tested level: it lies beyond; or no change
-                  ///< there: it is there or more clamped
-  kNone,          ///< artifacts at the study's most clamped level, or a change at its least clamped one
-  kUntested       ///< no answers
-};
 
 /// What an experiment says of a clamp level.
 enum class LevelState {
@@ -51,8 +32,6 @@ struct Threshold {
 /// beyond: artifacts at no level from the least clamped one on, or no change up to the most clamped one.
 bool is_at_scale_end(const Threshold& threshold, Experiment experiment, const ColumnCounts& counts);
 
-std::string format_rule(Rule rule);
-Rule parse_rule(std::string_view text, std::string_view source, std::string_view place = "");
 std::string format_status(CutStatus status);
 
 /// The same for a reader: "end of the scale" where a censored threshold is at one.

@@ -11,6 +11,7 @@
 
 #include "analysis/posterior.h"
 #include "analysis/probability.h"
+#include "analysis/weighted_counts.h"
 #include "base/error.h"
 #include "base/random.h"
 
@@ -19,22 +20,24 @@ namespace {
 
 // A column of one experiment whose counts can be replaced without looking for its cells again.
 struct Slots {
-  ColumnCounts counts;
+  std::vector<Count> counts;                               // one for each clamp level
   std::vector<std::pair<std::size_t, std::size_t>> cells;  // place in counts, place in the matrix
 
-  void fill(const std::vector<Count>& by_cell) {
-    for (const auto& [level, cell] : cells) counts[level].count = by_cell[cell];
+  // `count_of` gives the count of a cell by its place in the matrix.
+  void fill(const auto& count_of) {
+    for (const auto& [level, cell] : cells) counts[level] = count_of(cell);
   }
 };
 
-Slots make_slots(const ColumnCounts& counts, const Column& column, bool normalised,
+Slots make_slots(const ColumnCounts& column_counts, const Column& column, bool normalised,
                  const ResponseMatrix& matrix) {
-  Slots slots{counts, {}};
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const Cell cell{column, counts[i].level, normalised};
+  Slots slots;
+  for (const LevelCount& level : column_counts) {
+    const Cell cell{column, level.level, normalised};
     const auto found = std::lower_bound(matrix.cells.begin(), matrix.cells.end(), cell);
+    slots.counts.push_back(level.count);
     if (found == matrix.cells.end() || *found != cell) continue;
-    slots.cells.emplace_back(i, static_cast<std::size_t>(found - matrix.cells.begin()));
+    slots.cells.emplace_back(slots.counts.size() - 1, static_cast<std::size_t>(found - matrix.cells.begin()));
   }
   return slots;
 }
@@ -52,12 +55,15 @@ class CutHistogram {
   explicit CutHistogram(const std::vector<int>& levels)
       : levels_(levels), least_(levels.size() + 2, 0), most_(least_) {}
 
-  void add(const Threshold& threshold, Experiment experiment) {
-    if (threshold.status == CutStatus::kUntested) return;
-    const std::size_t none = experiment == Experiment::kArtifact ? least_.size() - 1 : 0;
-    const std::size_t place = threshold.cut ? place_of(*threshold.cut) : none;
+  // An artifact cut is at the first level that is free, beyond the last one where none is; a material cut at
+  // the last unchanged level, before the first one where none is, or anywhere below the first changed one
+  // where no level below was tested.
+  void add(const PlacedCut& cut, Experiment experiment) {
+    if (cut.status == CutStatus::kUntested) return;
+    const bool is_artifact = experiment == Experiment::kArtifact;
+    const std::size_t place = is_artifact ? cut.same.begin + std::size_t{1} : cut.same.end;
     ++least_[place];
-    ++most_[threshold.below ? place_of(*threshold.below) - 1 : place];
+    ++most_[!is_artifact && cut.status == CutStatus::kCensoredLow ? cut.different.begin : place];
   }
 
   void add(const CutHistogram& other) {
@@ -74,9 +80,6 @@ class CutHistogram {
   }
 
  private:
-  std::size_t place_of(int level) const {
-    return static_cast<std::size_t>(std::find(levels_.begin(), levels_.end(), level) - levels_.begin()) + 1;
-  }
   // Nearest rank.
   int find_quantile(const std::vector<std::int64_t>& counts, double share, std::int64_t total) const {
     const double rank = std::max(1.0, std::ceil(share * static_cast<double>(total)));
@@ -91,23 +94,45 @@ class CutHistogram {
   std::vector<std::int64_t> least_, most_;
 };
 
-struct Thresholds {
-  Threshold artifact;
-  Threshold material;
+// Under both rules, in order of kRules.
+struct ColumnCuts {
+  std::array<PlacedCut, 2> artifact, material;
 };
 
-Thresholds judge(const ColumnSlots& column, Rule rule) {
-  return {find_cut(column.artifact.counts, Experiment::kArtifact, rule),
-          find_cut(column.material.counts, Experiment::kMaterial, rule)};
+ColumnCuts judge(const ColumnSlots& column) {
+  return {place_cuts(column.artifact.counts, Experiment::kArtifact),
+          place_cuts(column.material.counts, Experiment::kMaterial)};
 }
 
-std::vector<std::uint32_t> draw_subjects(std::size_t subjects, const std::string& stream, int resample,
-                                         std::uint64_t seed) {
-  RandomStream random(seed, stream, static_cast<std::uint64_t>(resample));
-  std::vector<std::uint32_t> weights(subjects, 0);
-  for (std::size_t i = 0; i < subjects; ++i) ++weights[random.next_below(subjects)];
-  return weights;
+// Of an experiment of a study by itself: rows of two matrices stand in no pairs.
+std::string name_stream(Experiment experiment, const std::string& study) {
+  return fmt::format("analysis/bootstrap/{}/{}", format_experiment(experiment), study);
 }
+
+// An experiment whose subjects can be drawn again.
+class Redrawn {
+ public:
+  Redrawn(const ResponseMatrix& matrix, Experiment experiment, const std::string& study, std::uint64_t seed)
+      : counts_(matrix),
+        subjects_(matrix.subjects()),
+        key_(make_stream_key(seed, name_stream(experiment, study))) {}
+
+  // Resamples from `first` to before `end`, at most kLanes. shape: one for each cell
+  std::vector<LaneCounts> count(int first, int end) const {
+    std::vector<Lanes> weights(subjects_);
+    for (int number = first; number < end; ++number) {
+      RandomStream random(key_, static_cast<std::uint64_t>(number));
+      const auto lane = static_cast<std::size_t>(number - first);
+      for (std::size_t i = 0; i < subjects_; ++i) weights[random.next_below(subjects_)].add(lane, 1);
+    }
+    return counts_.count(weights);
+  }
+
+ private:
+  WeightedCounts counts_;
+  std::size_t subjects_;
+  StreamKey key_;
+};
 
 // Of one column.
 struct ResampleSums {
@@ -138,67 +163,68 @@ struct ResampleRun {
   }
 };
 
-void add_resample(ResampleRun& run, std::vector<ColumnSlots>& columns, const std::vector<Count>& artifact,
-                  const std::vector<Count>& material) {
+void add_resample(ResampleRun& run, const std::vector<ColumnSlots>& columns) {
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    columns[c].artifact.fill(artifact);
-    columns[c].material.fill(material);
+    const ColumnCuts cuts = judge(columns[c]);
     ResampleSums& sums = run.columns[c];
-    for (const Rule rule : kRules) {
-      const auto r = static_cast<std::size_t>(rule);
-      const Thresholds thresholds = judge(columns[c], rule);
-      run.verdicts[r].push_back(judge_resample(thresholds.artifact, thresholds.material));
+    for (std::size_t r = 0; r < sums.shares.size(); ++r) {
+      run.verdicts[r].push_back(judge_resample(cuts.artifact[r], cuts.material[r]));
       sums.shares[r].add(run.verdicts[r].back());
-      sums.free[r].add(judge_free(thresholds.artifact));
-      sums.artifact[r].add(thresholds.artifact, Experiment::kArtifact);
-      sums.material[r].add(thresholds.material, Experiment::kMaterial);
+      sums.free[r].add(judge_free(cuts.artifact[r]));
+      sums.artifact[r].add(cuts.artifact[r], Experiment::kArtifact);
+      sums.material[r].add(cuts.material[r], Experiment::kMaterial);
     }
   }
 }
 
-// Of an experiment of a study by itself: rows of two matrices stand in no pairs.
-std::string name_stream(Experiment experiment, const std::string& study) {
-  return fmt::format("analysis/bootstrap/{}/{}", format_experiment(experiment), study);
-}
-
 // Those from `first` to `end`.
-ResampleRun resample(std::vector<ColumnSlots> columns, const std::string& study,
-                     const ResponseMatrix& artifact, const ResponseMatrix& material, std::uint64_t seed,
+ResampleRun resample(std::vector<ColumnSlots> columns, const Redrawn& artifact, const Redrawn& material,
                      int first, int end) {
   ResampleRun run;
   for (const ColumnSlots& column : columns) {
     const std::vector<CutHistogram> empty(2, CutHistogram(column.levels));
     run.columns.push_back({{}, {}, empty, empty});
   }
-  for (int number = first; number < end; ++number) {
-    const auto counts = [&](const ResponseMatrix& matrix, Experiment experiment) {
-      return count_weighted(matrix,
-                            draw_subjects(matrix.subjects(), name_stream(experiment, study), number, seed));
-    };
-    add_resample(run, columns, counts(artifact, Experiment::kArtifact),
-                 counts(material, Experiment::kMaterial));
+  constexpr int kTogether = kLanes;
+  for (int begin = first; begin < end; begin += kTogether) {
+    const int beyond = std::min(end, begin + kTogether);
+    const auto seen = artifact.count(begin, beyond), changed = material.count(begin, beyond);
+    for (std::size_t lane = 0; lane < static_cast<std::size_t>(beyond - begin); ++lane) {
+      for (ColumnSlots& column : columns) {
+        column.artifact.fill([&](std::size_t cell) { return seen[cell].of(lane); });
+        column.material.fill([&](std::size_t cell) { return changed[cell].of(lane); });
+      }
+      add_resample(run, columns);
+    }
   }
   return run;
 }
 
-// Side by side: every resample has a stream of its own.
+// Does `work` on parts of 0 to before `items` side by side. shape: what each part gives, in order
+template <typename Work>
+auto split_work(int items, int threads, const Work& work) {
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  const int parts = std::clamp(threads > 0 ? threads : cores, 1, std::max(items, 1));
+  const auto begin_of = [&](int part) { return static_cast<int>(std::int64_t{items} * part / parts); };
+  std::vector<std::future<decltype(work(0, 0))>> running;
+  for (int part = 0; part < parts; ++part)
+    running.push_back(std::async(std::launch::async, work, begin_of(part), begin_of(part + 1)));
+  std::vector<decltype(work(0, 0))> results;
+  for (auto& part : running) results.push_back(part.get());
+  return results;
+}
+
+// Every resample has a stream of its own.
 ResampleRun resample_all(const std::vector<ColumnSlots>& columns, const std::string& study,
                          const ResponseMatrix& artifact, const ResponseMatrix& material,
                          const UncertaintyParams& params) {
-  const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  const int threads = std::clamp(params.threads > 0 ? params.threads : cores, 1, params.resamples);
-  const auto begin_of = [&](int thread) {
-    return static_cast<int>(std::int64_t{params.resamples} * thread / threads);
-  };
-  std::vector<std::future<ResampleRun>> running;
-  for (int thread = 0; thread < threads; ++thread) {
-    running.push_back(std::async(std::launch::async, [&, thread] {
-      return resample(columns, study, artifact, material, params.seed, begin_of(thread),
-                      begin_of(thread + 1));
-    }));
-  }
-  ResampleRun all = running.front().get();
-  for (std::size_t thread = 1; thread < running.size(); ++thread) all.append(running[thread].get());
+  const Redrawn seen(artifact, Experiment::kArtifact, study, params.seed),
+      changed(material, Experiment::kMaterial, study, params.seed);
+  const auto runs = split_work(params.resamples, params.threads, [&](int first, int end) {
+    return resample(columns, seen, changed, first, end);
+  });
+  ResampleRun all = runs.front();
+  for (std::size_t part = 1; part < runs.size(); ++part) all.append(runs[part]);
   return all;
 }
 
@@ -240,15 +266,6 @@ std::vector<Count> subtract_subject(std::vector<Count> counts, const ResponseMat
     counts[c].k -= matrix.correct[s * width + c];
   }
   return counts;
-}
-
-bool is_exists(const ColumnSlots& column, Rule rule) {
-  const Thresholds thresholds = judge(column, rule);
-  return is_any_equivalent(thresholds.artifact, thresholds.material);
-}
-
-bool is_any_free(const ColumnSlots& column, Rule rule) {
-  return judge_free(find_cut(column.artifact.counts, Experiment::kArtifact, rule)) == Resampled::kExists;
 }
 
 // The rows of a person in the two matrices.
@@ -294,40 +311,50 @@ void note_flip(RuleUncertainty& under, const Person& person, const ResponseMatri
 }
 
 // Notes whom the column's finding turns without: EE, or, where nobody was asked, whether a level is free.
-void compare_without(ColumnUncertainty& result, const ColumnSlots& without, const ColumnSlots& whole,
+void compare_without(ColumnUncertainty& result, const ColumnCuts& without, const ColumnCuts& whole,
                      const Person& person, const ResponseMatrix& artifact, const ResponseMatrix& material) {
-  for (const Rule rule : kRules) {
-    RuleUncertainty& under = result.by_rule[static_cast<std::size_t>(rule)];
+  for (std::size_t r = 0; r < result.by_rule.size(); ++r) {
+    RuleUncertainty& under = result.by_rule[r];
     if (is_resampled(under.status)) {
-      if (is_exists(without, rule) != is_exists(whole, rule)) note_flip(under, person, artifact, material);
-    } else if (is_unasked(under.status) && person.artifact &&
-               is_any_free(without, rule) != is_any_free(whole, rule)) {
-      under.free_flips.push_back(artifact.sessions[*person.artifact]);
+      const auto exists = [&](const ColumnCuts& cuts) {
+        return is_any_equivalent(cuts.artifact[r], cuts.material[r]);
+      };
+      if (exists(without) != exists(whole)) note_flip(under, person, artifact, material);
+    } else if (is_unasked(under.status) && person.artifact) {
+      const auto is_any_free = [&](const ColumnCuts& cuts) {
+        return judge_free(cuts.artifact[r]) == Resampled::kExists;
+      };
+      if (is_any_free(without) != is_any_free(whole))
+        under.free_flips.push_back(artifact.sessions[*person.artifact]);
     }
   }
 }
 
-// Leaves each person out in turn, from both experiments.
+void sort_flips(ColumnUncertainty& result) {
+  for (RuleUncertainty& under : result.by_rule) {
+    std::sort(under.artifact_flips.begin(), under.artifact_flips.end());
+    std::sort(under.material_flips.begin(), under.material_flips.end());
+    std::sort(under.free_flips.begin(), under.free_flips.end());
+  }
+}
+
+// Leaves each person out in turn, from both experiments, for the columns from `first` to before `end`.
 void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots> columns,
-                const ResponseMatrix& artifact, const ResponseMatrix& material) {
+                const ResponseMatrix& artifact, const ResponseMatrix& material, std::size_t first,
+                std::size_t end) {
   const LeaveOut seen{artifact}, changed{material};
-  const std::vector<ColumnSlots> whole = columns;
+  std::vector<ColumnCuts> whole;
+  for (const ColumnSlots& column : columns) whole.push_back(judge(column));
   for (const Person& person : pair_persons(artifact, material)) {
     const std::vector<Count> seen_without = seen.without(person.artifact),
                              changed_without = changed.without(person.material);
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      columns[c].artifact.fill(seen_without);
-      columns[c].material.fill(changed_without);
-      compare_without(results[c], columns[c], whole[c], person, artifact, material);
+    for (std::size_t c = first; c < end; ++c) {
+      columns[c].artifact.fill([&](std::size_t cell) { return seen_without[cell]; });
+      columns[c].material.fill([&](std::size_t cell) { return changed_without[cell]; });
+      compare_without(results[c], judge(columns[c]), whole[c], person, artifact, material);
     }
   }
-  for (ColumnUncertainty& result : results) {
-    for (RuleUncertainty& under : result.by_rule) {
-      std::sort(under.artifact_flips.begin(), under.artifact_flips.end());
-      std::sort(under.material_flips.begin(), under.material_flips.end());
-      std::sort(under.free_flips.begin(), under.free_flips.end());
-    }
-  }
+  for (std::size_t c = first; c < end; ++c) sort_flips(results[c]);
 }
 
 UncertaintyStatus find_status(const ColumnFinding& finding, Rule rule, const ColumnSlots& column,
@@ -384,14 +411,20 @@ Uncertainty find_uncertainty(const Study& study, const std::vector<ColumnFinding
     for (const Rule rule : kRules)
       column.by_rule[static_cast<std::size_t>(rule)].status =
           find_status(findings[c], rule, columns[c], artifact.subjects(), material.subjects());
-    take_posteriors(column, findings[c], columns[c], {params.seed, params.posterior_draws});
   }
   result.subjects = std::min(artifact.subjects(), material.subjects());
   ResampleRun run = resample_all(columns, study.name, artifact, material, params);
   if (artifact.subjects() > 1 && material.subjects() > 1) result.resamples = std::move(run.verdicts);
   for (std::size_t c = 0; c < columns.size(); ++c)
     take_sums(result.columns[c], run.columns[c], artifact.subjects(), material.subjects(), params.level);
-  find_flips(result.columns, columns, artifact, material);
+  // Columns side by side: every cell has a stream of its own.
+  split_work(static_cast<int>(columns.size()), params.threads, [&](int first, int end) {
+    const auto begin = static_cast<std::size_t>(first), beyond = static_cast<std::size_t>(end);
+    for (std::size_t c = begin; c < beyond; ++c)
+      take_posteriors(result.columns[c], findings[c], columns[c], {params.seed, params.posterior_draws});
+    find_flips(result.columns, columns, artifact, material, begin, beyond);
+    return true;
+  });
   return result;
 }
 

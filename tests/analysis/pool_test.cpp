@@ -1,8 +1,9 @@
 // Folders of one study whose selections, pictures or windows are not the same.
+#include "analysis/pool.h"
+
 #include <algorithm>
 #include <gtest/gtest.h>
 
-#include "analysis/report.h"
 #include "tests/analysis/planted_report.h"
 
 namespace equilux::tests {

@@ -250,10 +250,15 @@ TEST(Isotonic, leaves_untested_levels_untested) {
   EXPECT_EQ(pooled[5].count, (Count{12, 24}));
 }
 
+bool are_alike(const Threshold& a, const Threshold& b) {
+  return a.cut == b.cut && a.below == b.below && a.status == b.status && a.states == b.states;
+}
+
+// Pooled in any case: the program does so only where flags break the order.
 bool cut_alike(const ColumnCounts& counts, Experiment experiment) {
-  const Threshold paper = find_threshold(counts, experiment, Rule::kPaper);
-  const Threshold isotonic = find_threshold(counts, experiment, Rule::kIsotonic);
-  return paper.cut == isotonic.cut && paper.status == isotonic.status && paper.states == isotonic.states;
+  const Threshold pooled = find_cut(pool_adjacent_violators(counts, experiment), experiment, Rule::kPaper);
+  EXPECT_TRUE(are_alike(find_cut(counts, experiment, Rule::kIsotonic), pooled));
+  return are_alike(find_cut(counts, experiment, Rule::kPaper), pooled);
 }
 
 // Seed 12, 20,000 columns made monotone by sorting their proportions, unequal n. Even flags are enough.
@@ -287,6 +292,20 @@ TEST(Isotonic, agrees_with_paper_where_proportions_or_flags_are_monotone) {
   EXPECT_EQ(monotone, 40000);
   EXPECT_GT(flags_only, 1000);
   EXPECT_GT(different, 1000) << "the property would hold of rules that never differ";
+}
+
+// Seed 13, 20,000 columns.
+TEST(Thresholds, both_rules_at_once_are_each_by_itself) {
+  RandomStream random(13, "columns", 0);
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<Count> counts;
+    for (const LevelCount& level : make_random_column(random, 15)) counts.push_back(level.count);
+    for (const auto experiment : {Experiment::kArtifact, Experiment::kMaterial}) {
+      const auto cuts = place_cuts(counts, experiment);
+      for (const Rule rule : kRules)
+        ASSERT_EQ(cuts[static_cast<std::size_t>(rule)], place_cut(counts, experiment, rule));
+    }
+  }
 }
 
 TEST(Thresholds, a_rule_has_one_name_and_no_other_is_read) {

@@ -9,31 +9,10 @@
 #include <map>
 
 #include "analysis/probability.h"
-#include "base/error.h"
-#include "tests/analysis/columns.h"
+#include "tests/analysis/answered.h"
 
 namespace equilux::tests {
 namespace {
-
-struct Answered {
-  Study study;
-  std::vector<AnswerRow> artifact, material;
-  std::optional<Selection> selection = std::nullopt;
-
-  std::vector<ColumnFinding> find() const {
-    return find_equivalence(study, tally_answers(artifact, study), tally_answers(material, study),
-                            selection ? &*selection : nullptr);
-  }
-  std::vector<ColumnUncertainty> disturb(const UncertaintyParams& params) const {
-    return find_uncertainty(study, find(), make_response_matrix(artifact), make_response_matrix(material),
-                            params)
-        .columns;
-  }
-};
-
-Answered from(const PlantedStudy& planted) {
-  return {planted.study, planted.artifact, planted.material, planted.selection};
-}
 
 // Probability that level i is the first free one, and that level j is the last unchanged one, cells being
 // flagged independently: rule `paper` in closed form.
@@ -84,18 +63,6 @@ TEST(Posterior, of_equivalence_is_the_exact_one_under_the_rule_paper) {
     uncertain += exact > 0.05 && exact < 0.95 ? 1 : 0;
   }
   EXPECT_GT(uncertain, 2) << "the test would be empty";
-}
-
-/// One column, one artifact level and one material level at the same clamp, k of n right in each.
-Answered make_two_cells(int k_artifact, int n_artifact, int k_material, int n_material) {
-  Answered answered;
-  answered.study = load_protocol("pocket");
-  const Column column = enumerate_columns(answered.study).front();
-  for (int i = 0; i < n_artifact; ++i)
-    answered.artifact.push_back({i + 1, i, {column, 5, false}, i < k_artifact});
-  for (int i = 0; i < n_material; ++i)
-    answered.material.push_back({i + 1, i, {column, 5, false}, i < k_material});
-  return answered;
 }
 
 double eval_upper_tail(int k, int n, double p) {
@@ -271,12 +238,6 @@ TEST(Flips, are_the_subjects_without_whom_the_verdict_is_another) {
   EXPECT_EQ(flips, (std::vector<std::int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
-std::map<std::int64_t, std::string> make_codes(int sessions, int sessions_of_each) {
-  std::map<std::int64_t, std::string> codes;
-  for (int i = 0; i < sessions; ++i) codes[i + 1] = fmt::format("P{}", i / sessions_of_each);
-  return codes;
-}
-
 // 9 of 12 is flagged in both experiments; only without one who was right in both is neither.
 TEST(Flips, leave_a_person_out_of_both_experiments) {
   const Answered answered = make_two_cells(9, 12, 9, 12);
@@ -313,27 +274,6 @@ TEST(Bootstrap, draws_persons_and_not_their_sessions) {
   EXPECT_TRUE(is_near(share_of(group_by_person(sessions, make_codes(12, 2))), by_person));
   EXPECT_TRUE(is_near(share_of(sessions), by_session));
   EXPECT_FALSE(is_near(by_session, by_person)) << "the test would tell nothing";
-}
-
-TEST(ResponseMatrix, adds_up_the_sessions_of_a_person_and_keeps_those_without_a_code_apart) {
-  const ResponseMatrix sessions = make_response_matrix(make_two_cells(3, 4, 0, 0).artifact);
-  const ResponseMatrix grouped = group_by_person(sessions, {{1, "P1"}, {2, ""}, {4, "P1"}});
-  EXPECT_EQ(grouped.subjects(), 3U);
-  const auto row = std::find(grouped.persons.begin(), grouped.persons.end(), "P1") - grouped.persons.begin();
-  EXPECT_EQ(grouped.sessions.at(static_cast<std::size_t>(row)), 1) << "of 1 and 4";
-  EXPECT_EQ(grouped.asked.at(static_cast<std::size_t>(row)), 2);
-  EXPECT_EQ(grouped.correct.at(static_cast<std::size_t>(row)), 1) << "the fourth was wrong";
-  EXPECT_EQ(count_weighted(grouped, {1, 1, 1}), count_weighted(sessions, {1, 1, 1, 1}));
-}
-
-// 300 sessions of one code, of which 280 are right: more than a byte counts.
-TEST(ResponseMatrix, adds_up_as_many_sessions_of_a_person_as_there_are) {
-  const ResponseMatrix sessions = make_response_matrix(make_two_cells(280, 300, 0, 0).artifact);
-  const ResponseMatrix grouped = group_by_person(sessions, make_codes(300, 300));
-  ASSERT_EQ(grouped.subjects(), 1U);
-  EXPECT_EQ(grouped.asked.at(0), 300);
-  EXPECT_EQ(grouped.correct.at(0), 280);
-  EXPECT_EQ(count_weighted(grouped, {2}), (std::vector<Count>{{560, 600}}));
 }
 
 TEST(Uncertainty, of_stiff_columns_has_a_status_and_no_number_that_is_not_finite) {
@@ -467,26 +407,6 @@ TEST(Uncertainty, depends_on_its_seed) {
     differs |= first[c].under(Rule::kPaper).bootstrap != second[c].under(Rule::kPaper).bootstrap;
   }
   EXPECT_TRUE(differs);
-}
-
-TEST(ResponseMatrix, counts_what_the_tally_counts) {
-  const PlantedStudy planted = make_planted_study("pocket", 12, 14, 6, 0.3);
-  const ResponseMatrix matrix = make_response_matrix(planted.artifact);
-  const Tally tally = tally_answers(planted.artifact, planted.study);
-  const auto counts = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
-  EXPECT_EQ(matrix.subjects(), 12U);
-  for (std::size_t c = 0; c < counts.size(); ++c) EXPECT_EQ(counts[c], tally.at(matrix.cells[c]));
-}
-
-TEST(ResponseMatrix, names_a_cell_that_a_session_answered_twice) {
-  std::vector<AnswerRow> answers = make_two_cells(3, 4, 0, 0).artifact;
-  answers.push_back(answers.front());
-  EXPECT_THROW(make_response_matrix(answers), InputError);
-}
-
-TEST(ResponseMatrix, of_nothing_is_empty) {
-  EXPECT_EQ(make_response_matrix({}).subjects(), 0U);
-  EXPECT_TRUE(count_weighted(make_response_matrix({}), {}).empty());
 }
 
 }  // namespace
