@@ -164,14 +164,33 @@ void check_new_code(const SessionInputs& inputs, const std::vector<SessionRow>& 
   }
 }
 
-OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
-                           const SessionRequest& request) {
-  std::vector<TrialRow> trials = log.load_trials(row.id);
-  log.append_event(row.id, "resume", 0, describe_resume(request));
-  return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true};
+// The same words in every program that would run it.
+std::string name_lock(const SessionInputs& inputs, const std::string& code) {
+  return fmt::format("{}/{}/{}", format_kind(inputs.kind), format_experiment(inputs.experiment), code);
 }
 
-OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+[[noreturn]] void refuse_running(const SessionInputs& inputs, const TrialLog& log, const std::string& code) {
+  std::string session = "a session";
+  for (const SessionRow& row : log.load_sessions()) {
+    if (row.kind == inputs.kind && row.experiment == inputs.experiment && row.participant == code)
+      session = fmt::format("session {}", row.id);
+  }
+  throw InputError(
+      inputs.folder.responses().string(), "session", "a session that no other window runs",
+      fmt::format("{} of {}, {} experiment, which runs in another window now; go on there, or close "
+                  "that window first",
+                  session, code, format_experiment(inputs.experiment)));
+}
+
+OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
+                           const SessionRequest& request, SessionLock lock) {
+  std::vector<TrialRow> trials = log.load_trials(row.id);
+  log.append_event(row.id, "resume", 0, describe_resume(request));
+  return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true, std::move(lock)};
+}
+
+OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request,
+                          SessionLock lock) {
   SessionRow row;
   row.participant = request.participant;
   row.kind = inputs.kind;
@@ -189,7 +208,8 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
       make_schedule(inputs.study, inputs.experiment, inputs.cells, inputs.kind, row.seed, row.subject_index),
       inputs.study, inputs.protocol, inputs.experiment, inputs.kind, row.seed, row.subject_index);
   row.id = log.append_session(row, trials);
-  return {row, make_session(inputs.experiment, std::move(trials), make_rules(inputs)), false};
+  return {row, make_session(inputs.experiment, std::move(trials), make_rules(inputs)), false,
+          std::move(lock)};
 }
 
 }  // namespace
@@ -265,9 +285,18 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
   return unfinished;
 }
 
+void check_not_running(const SessionInputs& inputs, const TrialLog& log, const SessionRequest& request) {
+  if (SessionLock::is_held(inputs.folder.responses(), name_lock(inputs, request.participant)))
+    refuse_running(inputs, log, request.participant);
+}
+
+// Locked before it is looked for, so that of two who begin at once one waits for nobody and one is refused.
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+  SessionLock lock(inputs.folder.responses(), name_lock(inputs, request.participant));
+  if (lock.is_busy()) refuse_running(inputs, log, request.participant);
   const auto unfinished = find_unfinished_session(inputs, log, request);
-  return unfinished ? resume_session(inputs, log, *unfinished, request) : begin_session(inputs, log, request);
+  return unfinished ? resume_session(inputs, log, *unfinished, request, std::move(lock))
+                    : begin_session(inputs, log, request, std::move(lock));
 }
 
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request) {

@@ -71,6 +71,7 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   SessionInputs inputs = load_session_inputs(folder, log ? &*log : nullptr, request);
   check_pictures(folder, manifest, enumerate_session_keys(inputs));
   if (!log && request.kind == SubjectKind::kPerson) check_code(request.participant, folder.root.string());
+  if (log) check_not_running(inputs, *log, request);
   const auto unfinished = log ? find_unfinished_session(inputs, *log, request) : std::nullopt;
   const std::string goes_on_with = unfinished
                                        ? describe_unfinished(*unfinished, log->load_trials(unfinished->id),

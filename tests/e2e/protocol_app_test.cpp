@@ -8,10 +8,12 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "tests/e2e/app_fixture.h"
+#include "tests/experiment/raw_database.h"
 
 namespace equilux {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 // A protocol with everything in it: what it asks for comes in order, and is in the log afterwards.
@@ -45,6 +47,17 @@ void press_again_and_again(XDisplay& display, const std::string& key, int count)
     display.type_key(key);
     std::this_thread::sleep_for(std::chrono::milliseconds(150));
   }
+}
+
+std::vector<std::string> list_command(std::vector<std::string> command,
+                                      const std::vector<std::string>& arguments) {
+  command.insert(command.begin(), std::string(EQUILUX_BIN_DIR) + "/equilux-session");
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
+}
+
+std::map<std::string, std::string> show_on(const XDisplay& display) {
+  return {{"DISPLAY", display.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}};
 }
 
 class ProtocolAppTest : public AppTest {};
@@ -192,6 +205,38 @@ TEST_F(ProtocolAppTest, ASessionWhoseWindowWasClosedIsOfferedToGoOn) {
   display.type_key("space");
   session.wait_for_trial(session.load_trials(id)[1]);
   EXPECT_EQ(session.count_answers(id), 1);
+}
+
+// A double click on the start, or a second experimenter.
+TEST_F(ProtocolAppTest, ASecondWindowOfTheSameSessionIsRefused) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display, other;
+  const auto run_second = [&] {
+    ChildProcess second(list_command({"run"}, arguments_for(folder, "artifact")), show_on(other));
+    EXPECT_EQ(second.wait(), 1);
+    return second.read_output();
+  };
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_THAT(run_second(),
+                AllOf(HasSubstr(folder.responses().string()),
+                      HasSubstr("session 1 of P01, artifact experiment, which runs in another")));
+    ChildProcess status(list_command({"status"}, {folder.root.string()}));
+    EXPECT_EQ(status.wait(), 0);
+    EXPECT_THAT(status.read_output(), HasSubstr("P01"));
+    display.type_key("space");
+    session.wait_for_trial(session.load_trials(id)[0]);
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_EQ(count_resumes(folder, id), 0);
+    session.program().send_signal(SIGKILL);
+    ASSERT_TRUE(session.program().wait());
+  }
+  WatchedSession session(other, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("");
+  EXPECT_EQ(count_resumes(folder, 1), 1) << "a killed program holds nothing";
 }
 
 TEST_F(ProtocolAppTest, AClosedSessionOfAProtocolThatRunsInOneGoStaysAsItIs) {
