@@ -226,6 +226,7 @@ bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& fo
   const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format("Participant {}, {} experiment. {}", view.participant, view.experiment,
                        view.goes_on_with.empty() ? "A new session." : view.goes_on_with));
+  if (!view.clock.empty()) page.warn(view.clock);
   page.say(describe_setup(view));
   const SetupErrors errors = find_errors(form);
   const bool takes_focus = std::exchange(form.takes_focus, false);

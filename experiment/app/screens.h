@@ -76,6 +76,7 @@ struct SetupView {
   std::string participant;
   std::string experiment;
   std::string goes_on_with;  ///< empty for a session that begins
+  std::string clock;         ///< what is wrong with the computer's; empty where nothing is
 };
 
 /// True when the button was pressed and the form is right.

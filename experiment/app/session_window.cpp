@@ -39,6 +39,13 @@ std::string find_verdict(const CatchTrials& asked, int caught, int answered) {
 
 std::string number(int value) { return fmt::format("{}", value); }
 
+// That stand on the set-up screen, where it is shown.
+std::vector<std::string> list_remarks(const Workplace& work) {
+  std::vector<std::string> remarks = work.setup.remarks;
+  if (work.clock_lag) remarks.push_back(describe_clock(work));
+  return remarks;
+}
+
 bool is_press(const InputEvent& event, Key key) {
   return event.kind == InputKind::kKeyPress && event.key == key;
 }
@@ -348,7 +355,7 @@ bool SessionWindow::lay_out_page() {
       return draw_instructions(
           *gui_, size, texts,
           {session().experiment, count_main(session(), false), count_main(session(), true),
-           work_->is_set_up ? std::vector<std::string>{} : work_->setup.remarks});
+           work_->is_set_up ? std::vector<std::string>{} : list_remarks(*work_)});
     case Screen::kPractice:
       return lay_out_message("practice_title",
                              {texts.fill("practice_text", {{"count", number(count_practice(session()))}})},

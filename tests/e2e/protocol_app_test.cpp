@@ -239,6 +239,32 @@ TEST_F(ProtocolAppTest, ASecondWindowOfTheSameSessionIsRefused) {
   EXPECT_EQ(count_resumes(folder, 1), 1) << "a killed program holds nothing";
 }
 
+// The set-up screen comes though it was not asked for, and says so.
+TEST_F(ProtocolAppTest, AClockBehindTheLogIsToldBeforeASessionGoesOn) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  std::ofstream(folder.session())
+      << R"({"schema": "equilux-session", "schema_version": 1, "resume": {"within_hours": 24}})";
+  XDisplay display;
+  std::int64_t id = 0;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    session.program().send_signal(SIGKILL);
+    ASSERT_TRUE(session.program().wait());
+  }
+  RawDatabase(folder.responses()).query("UPDATE session SET started_utc = '9999-01-01T00:00:00.000Z'");
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_error("clock-behind");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(count_resumes(folder, id), 0);
+  display.type_key("Return");
+  EXPECT_TRUE(wait_until([&] { return count_resumes(folder, id) == 1; })) << session.program().read_output();
+  EXPECT_THAT(RawDatabase(folder.responses()).value("SELECT detail FROM event WHERE kind = 'resume'"),
+              HasSubstr("clock_behind_hours"));
+}
+
 TEST_F(ProtocolAppTest, AClosedSessionOfAProtocolThatRunsInOneGoStaysAsItIs) {
   const StudyFolder folder = make_study(kSmallPlan);
   std::ofstream(folder.session())

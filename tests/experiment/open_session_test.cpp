@@ -418,6 +418,41 @@ TEST_F(OpenSessionByProtocol, LetsASessionGoOnForSoLong) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours"), HasSubstr("48.0 hours ago"))));
 }
 
+// A clock that is behind would call every session fresh.
+TEST_F(OpenSessionByProtocol, DoubtsTheAgeOfASessionWhereTheClockIsBehindTheLog) {
+  save_protocol(R"("resume": {"within_hours": 24})");
+  open("P1");
+  open("P2");
+  RawDatabase(folder_.responses()).query("UPDATE session SET started_utc = '2026-06-01T12:00:00.000Z'");
+  RawDatabase(folder_.responses())
+      .query("UPDATE session SET started_utc = '2026-06-02T00:00:00.000Z' WHERE id = 2");
+  SessionRequest request = request_of("P1");
+  const auto expect_doubt = [&](const std::string& now, const char* later) {
+    request.now_utc = now;
+    EXPECT_THAT(
+        [&] { open_session(folder_, log_, request); },
+        ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours ago"), HasSubstr("of unknown age"),
+                                        HasSubstr("clock says " + now), HasSubstr(later))));
+  };
+  expect_doubt("2026-06-01T11:00:00.000Z", "13.0 hours later");
+  expect_doubt("2026-06-01T13:00:00.000Z", "11.0 hours later");  // after it, but before the other's
+  request.accepts_clock = true;
+  EXPECT_TRUE(open_session(folder_, log_, request).resumed);
+  EXPECT_THAT(load_events(folder_.responses()).back().at(4), HasSubstr("\"clock_behind_hours\":\"11.00\""));
+  request.now_utc = "2026-06-02T13:00:00.000Z";
+  EXPECT_THAT([&] { open_session(folder_, log_, request); },
+              ThrowsMessage<InputError>(HasSubstr("25.0 hours ago")))
+      << "too old by any clock";
+}
+
+TEST_F(OpenSessionByProtocol, KeepsThatTheClockWasBehindWhenASessionBegan) {
+  open("P1");
+  EXPECT_EQ(log_.load_sessions().at(0).fields.count("clock_behind_hours"), 0u);
+  RawDatabase(folder_.responses()).query("UPDATE session SET started_utc = '9999-06-01T12:00:00.000Z'");
+  open("P2");
+  EXPECT_EQ(log_.load_sessions().at(1).fields.count("clock_behind_hours"), 1u);
+}
+
 // Nobody waits for a planted subject: its sessions go on whenever the program runs again.
 TEST_F(OpenSessionByProtocol, LimitsTheResumingOfPersonsAlone) {
   save_protocol(R"("resume": {"allowed": false})");
