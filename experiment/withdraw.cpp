@@ -9,6 +9,7 @@
 #include "base/files.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
+#include "experiment/rename_codes.h"
 #include "stimuli/study_folder.h"
 
 namespace equilux {
@@ -67,7 +68,12 @@ bool has_table(const Database& database, const std::string& table) {
 
 void bury(const Database& database, const std::string& code) {
   Transaction transaction(database);
-  if (!find_tombstone(load_tombstones(database), code)) insert_tombstone(database, make_tombstone(code));
+  const Tombstone tombstone = find_tombstone(load_tombstones(database), code).value_or(make_tombstone(code));
+  insert_tombstone(database, tombstone);
+  for (const SessionRow& session : load_sessions_of(database, code)) {
+    for (const std::string& name : list_names(session))
+      insert_tombstone(database, make_tombstone_beside(tombstone, name));
+  }
   erase_participant(database, code);
   transaction.commit();
 }
