@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "experiment/export_log.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
 #include "experiment/rename_codes.h"
@@ -58,8 +59,12 @@ bool is_gone(const fs::path& path) {
 std::string format_export(const ExportRow& row) {
   if (!row.station.empty())
     return fmt::format("  at station {}: {}, of {}\n", row.station.substr(0, 8), row.path, row.made_utc);
+  const fs::path part = find_export_part(row.path);
   return fmt::format("  {}, of {}{}\n", row.path, row.made_utc,
-                     is_gone(row.path) ? ": not there any more; if it was moved, it holds them still" : "");
+                     is_gone(row.path) ? ": not there any more; if it was moved, it holds them still" : "") +
+         (is_gone(part)
+              ? ""
+              : fmt::format("  {}, which an export that was broken off left there\n", part.string()));
 }
 
 bool has_table(const Database& database, const std::string& table) {
