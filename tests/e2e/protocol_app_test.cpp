@@ -135,6 +135,11 @@ int count_resumes(const StudyFolder& folder, std::int64_t session) {
   return count;
 }
 
+int count_showings(const StudyFolder& folder) {
+  return std::stoi(
+      RawDatabase(folder.responses()).value("SELECT count(*) FROM event WHERE kind = 'showing'"));
+}
+
 // Who has agreed and was asked is asked neither again.
 TEST_F(ProtocolAppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
   const StudyFolder folder = make_study(kSmallPlan);
@@ -371,6 +376,82 @@ TEST_F(ProtocolAppTest, ALongConsentIsReadToItsEndBeforeAnybodyAgrees) {
     display.type_key("Return");
     EXPECT_NE(session.wait_for_session(Experiment::kArtifact), 0);
   }
+}
+
+void turn_wheel(XDisplay& display, int button, int count) {
+  for (int i = 0; i < count; ++i) {
+    display.press_button(button);
+    display.release_button(button);
+  }
+}
+
+constexpr int kWheelUp = 4, kWheelDown = 5;
+
+// The English texts with instructions of 4,000 bytes, as many as a text may have.
+void write_long_instructions(const StudyFolder& folder) {
+  constexpr std::size_t kMost = 4000;
+  const std::filesystem::path english =
+      std::filesystem::path(EQUILUX_SOURCE_DIR) / "experiment/texts/en.json";
+  Json table = parse_json(load_text(english), english.string());
+  std::string text;
+  for (int i = 1; text.size() < kMost; ++i)
+    text += fmt::format("{}. Look at the object, and at nothing beside it. ", i);
+  Json texts = *table.find("texts");
+  texts.set("instructions_artifact", text.substr(0, kMost));
+  save_text(folder.root / "texts-en.json", format_json(table.set("texts", texts)));
+}
+
+// The smallest screen that the pictures have room on: by keys and by the wheel, and left from either end.
+TEST_F(ProtocolAppTest, InstructionsLongerThanASmallScreenScrollToTheirButton) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_long_instructions(folder);
+  XDisplay display(720, 510);
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_consent("long-instructions");  // until it tells that there is more
+  ASSERT_FALSE(HasFatalFailure());
+  const LdrImage top = display.take_screenshot();
+  display.move_pointer(360, 255);
+  turn_wheel(display, kWheelDown, 3);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  turn_wheel(display, kWheelUp, 3);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(display.take_screenshot(), top);
+  for (const char* key : {"Next", "Down", "End"}) {
+    display.type_key(key);
+    session.wait_for_page(*key == 'E' ? "long-instructions-end" : "");
+    ASSERT_FALSE(HasFatalFailure()) << key;
+  }
+  const LdrImage end = display.take_screenshot();
+  turn_wheel(display, kWheelUp, 1);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  turn_wheel(display, kWheelDown, 3);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(display.take_screenshot(), end) << "the wheel comes as far as the keys";
+  display.click(100, 330);  // "Begin"
+  EXPECT_TRUE(wait_until([&] { return count_showings(folder) == 1; })) << session.program().read_output();
+}
+
+TEST_F(ProtocolAppTest, ALongConsentIsReadToItsEndByTheWheelOnASmallScreen) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_long_consent(folder);
+  XDisplay display(720, 510);
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_consent("small-consent");
+  ASSERT_FALSE(HasFatalFailure());
+  display.move_pointer(360, 255);
+  display.type_key("Return");
+  EXPECT_FALSE(session.has_changed());
+  turn_wheel(display, kWheelDown, 60);
+  session.wait_for_page("small-consent-end");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  display.type_key("Return");
+  EXPECT_NE(session.wait_for_session(Experiment::kArtifact), 0);
 }
 
 TEST_F(ProtocolAppTest, TheFirstPageOfObjectsLeadsBackToTheInstructions) {
