@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr int kTrials = 4;
 constexpr const char* kStudy = "study";  // digest of the study of make_fake_session
@@ -187,6 +188,17 @@ TEST_F(MergeRename, WhoWithdrewHereDoesNotComeBack) {
   withdraw_participant(first_, "P01");
   merge({first_}, {kRename});
   EXPECT_EQ(load_codes(ours_), (Rows{{"P01", "0", "-"}})) << "the other person of that code stays";
+}
+
+// Who was P01 at the station asks to be erased by that code.
+TEST_F(MergeRename, AWithdrawalTellsOfTheOtherPersonOfTheCode) {
+  merge_renamed();
+  EXPECT_THAT(format_withdrawal(plan_withdrawal(ours_, "P01")),
+              HasSubstr("P01 of another station is P01b here, another person, who stays"));
+  EXPECT_THAT(format_withdrawal(plan_withdrawal(ours_, "P01b")), Not(HasSubstr("another person")));
+  merge_logs(second_, {first_}, kStudy, {kRename});
+  EXPECT_THAT(message_of<InputError>([&] { plan_withdrawal(second_, "P01"); }),
+              HasSubstr("got P01 of another station is P01b here"));
 }
 
 TEST_F(MergeRename, AWithdrawalAtTheStationErasesThatPersonAlone) {
