@@ -259,7 +259,8 @@ TEST_F(ProtocolAppTest, AClockBehindTheLogIsToldBeforeASessionGoesOn) {
     session.program().send_signal(SIGKILL);
     ASSERT_TRUE(session.program().wait());
   }
-  RawDatabase(folder.responses()).query("UPDATE session SET started_utc = '9999-01-01T00:00:00.000Z'");
+  RawDatabase(folder.responses())
+      .query("UPDATE session SET started_utc = strftime('%Y-%m-%dT%H:%M:%fZ', 'now', '+16 hours')");
   WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
   session.wait_for_error("clock-behind");
   ASSERT_FALSE(HasFatalFailure());
@@ -447,8 +448,9 @@ TEST_F(ProtocolAppTest, ALongConsentIsReadToItsEndByTheWheelOnASmallScreen) {
   display.type_key("Return");
   EXPECT_FALSE(session.has_changed());
   turn_wheel(display, kWheelDown, 60);
-  session.wait_for_page("small-consent-end");
+  session.wait_for_consent("");
   ASSERT_FALSE(HasFatalFailure());
+  session.keep("small-consent-end");
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
   display.type_key("Return");
   EXPECT_NE(session.wait_for_session(Experiment::kArtifact), 0);
