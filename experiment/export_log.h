@@ -30,8 +30,12 @@ std::string make_bids_label(const std::string& code);
 /// The absolute path of an export's folder, without a slash at its end: one name, however it was typed.
 std::filesystem::path find_export_folder(const std::filesystem::path& folder);
 
+/// Where it is written before it is whole, and stays if its writer is killed.
+std::filesystem::path find_export_part(const std::filesystem::path& folder);
+
 /// Before anything is written. errors: InputError unless the name is free or an empty folder's, or, with
-/// `force`, a folder's that holds an earlier export and nothing else
+/// `force`, a folder's that holds an earlier export and nothing else; and where find_export_part holds
+/// anything that no export left there
 void check_can_export(const std::filesystem::path& folder, bool force);
 
 /// Writes beside the folder, then gives it its name: there is all of it or what was there. errors: as

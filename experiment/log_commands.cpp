@@ -38,6 +38,7 @@ struct WithdrawOptions {
 struct MergeOptions {
   std::string folder;
   std::vector<std::string> logs;
+  std::vector<std::string> renames;
   bool yes = false;
 };
 
@@ -121,13 +122,15 @@ int merge(const MergeOptions& options) {
   const Study study = load_folder_study(folder);
   std::vector<fs::path> others;
   for (const std::string& name : options.logs) others.push_back(log_of(name));
-  const MergePlan plan = plan_merge(folder.responses(), others, study.digest);
+  std::vector<Rename> renames;
+  for (const std::string& text : options.renames) renames.push_back(parse_rename(text));
+  const MergePlan plan = plan_merge(folder.responses(), others, study.digest, renames);
   check_no_conflict(plan, folder.responses());
   if (!plan.erased.empty() && !options.yes)
     confirm(fmt::format("{} withdrew at another station and will be erased here.\n",
                         fmt::join(plan.erased, ", ")),
             "erase");
-  const MergePlan done = merge_logs(folder.responses(), others, study.digest);
+  const MergePlan done = merge_logs(folder.responses(), others, study.digest, renames);
   fmt::print("{}", format_merge(done));
   if (!done.erased.empty())
     fmt::print("{}", format_exports(TrialLog::load_snapshot(folder.responses()).load_exports()));
@@ -168,6 +171,12 @@ void add_merge(CLI::App& app, MergeOptions& options) {
   command->add_option("logs", options.logs, "Logs, or study folders that hold one")
       ->required()
       ->type_name("LOG");
+  command
+      ->add_option(
+          "--rename", options.renames,
+          "Another code for a participant of the logs that come in, where somebody else has this one")
+      ->type_name("OLD=NEW")
+      ->allow_extra_args(false);
   command->add_flag("--yes", options.yes, "Do not ask before erasing who withdrew at another station");
 }
 

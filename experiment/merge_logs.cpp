@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "experiment/log_schema.h"
+#include "experiment/rename_codes.h"
 #include "experiment/withdraw.h"
 
 namespace equilux {
@@ -55,6 +56,13 @@ void finish_withdrawals(const fs::path& log, const Database& database) {
   erase_from_copies(log, tombstones);
 }
 
+std::string format_rename(const SessionRow& row) {
+  const std::string home = find_home_code(row);
+  if (home == row.participant) return {};
+  return fmt::format("renamed: {} of station {} is {} here, {} experiment\n", home, row.station.substr(0, 8),
+                     row.participant, format_experiment(row.experiment));
+}
+
 bool is_empty(const MergePlan& plan) {
   return plan.added.empty() && plan.replaced.empty() && plan.tombstones.empty() && plan.erased.empty() &&
          plan.exports.empty();
@@ -70,10 +78,10 @@ LogContent load_content(const Database& database, const std::string& source) {
 }
 
 MergePlan plan_merge(const fs::path& log, const std::vector<fs::path>& others,
-                     const std::string& study_digest) {
+                     const std::string& study_digest, const std::vector<Rename>& renames) {
   const LogContent ours =
       has_log(log) ? load_content(open_log_snapshot(log), log.string()) : LogContent{log.string(), {}, {}};
-  return plan_merge(ours, load_others(others), study_digest);
+  return plan_merge(ours, load_others(others), study_digest, renames);
 }
 
 void check_no_conflict(const MergePlan& plan, const fs::path& log) {
@@ -84,16 +92,16 @@ void check_no_conflict(const MergePlan& plan, const fs::path& log) {
 }
 
 MergePlan merge_logs(const fs::path& log, const std::vector<fs::path>& others,
-                     const std::string& study_digest) {
+                     const std::string& study_digest, const std::vector<Rename>& renames) {
   const std::vector<LogContent> theirs = load_others(others);
   if (!has_log(log)) {
-    const MergePlan plan = plan_merge(LogContent{log.string(), {}, {}}, theirs, study_digest);
+    const MergePlan plan = plan_merge(LogContent{log.string(), {}, {}}, theirs, study_digest, renames);
     check_no_conflict(plan, log);
     if (is_empty(plan)) return plan;
     open_log(log, true);
   }
   const Database database = open_log_alone(log);
-  const MergePlan plan = plan_merge(load_content(database, log.string()), theirs, study_digest);
+  const MergePlan plan = plan_merge(load_content(database, log.string()), theirs, study_digest, renames);
   check_no_conflict(plan, log);
   overwrite_what_is_deleted(database);
   carry_out(database, plan);
@@ -107,6 +115,9 @@ std::string format_merge(const MergePlan& plan) {
       "erased here; exports: {} taken over\n",
       plan.added.size(), plan.replaced.size(), plan.kept, plan.tombstones.size(), plan.erased.size(),
       plan.exports.size());
+  for (const std::vector<LogSession>* sessions : {&plan.added, &plan.replaced}) {
+    for (const LogSession& session : *sessions) text += format_rename(session.row);
+  }
   for (const std::string& remark : plan.remarks) text += fmt::format("remark: {}\n", remark);
   return text;
 }

@@ -26,6 +26,15 @@ struct LogContent {
   std::vector<ExportRow> exports = {};
 };
 
+/// A participant of one of the logs that come in gets another code, since somebody else has this one.
+struct Rename {
+  std::string old_code;
+  std::string new_code;
+};
+
+/// "OLD=NEW". errors: InputError
+Rename parse_rename(const std::string& text);
+
 struct MergePlan {
   std::vector<LogSession> added;       ///< of no session of ours
   std::vector<LogSession> replaced;    ///< further along than ours of the same UUID
@@ -39,13 +48,14 @@ struct MergePlan {
 
 LogContent load_content(const Database& database, const std::string& source);
 
-/// `study_digest` is of the folder that the sessions come into; sessions of other studies conflict.
+/// `study_digest` is of the folder that the sessions come into; sessions of other studies conflict. Who has
+/// been renamed before keeps that code without being renamed again.
 MergePlan plan_merge(const LogContent& ours, const std::vector<LogContent>& theirs,
-                     const std::string& study_digest);
+                     const std::string& study_digest, const std::vector<Rename>& renames = {});
 /// The same for files. Where `log` is not there, it holds nothing. errors: InputError for files that are no
 /// logs; StoreError
 MergePlan plan_merge(const std::filesystem::path& log, const std::vector<std::filesystem::path>& others,
-                     const std::string& study_digest);
+                     const std::string& study_digest, const std::vector<Rename>& renames = {});
 
 /// errors: InputError that names every conflict
 void check_no_conflict(const MergePlan& plan, const std::filesystem::path& log);
@@ -53,7 +63,7 @@ void check_no_conflict(const MergePlan& plan, const std::filesystem::path& log);
 /// Plans again while no other program has the log open, and writes all of it or nothing; a log that is not
 /// there is made. Gives what was done. errors: as plan_merge and check_no_conflict; StoreError
 MergePlan merge_logs(const std::filesystem::path& log, const std::vector<std::filesystem::path>& others,
-                     const std::string& study_digest);
+                     const std::string& study_digest, const std::vector<Rename>& renames = {});
 
 /// In words, a line each.
 std::string format_merge(const MergePlan& plan);

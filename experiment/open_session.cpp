@@ -13,6 +13,7 @@
 #include "base/json.h"
 #include "base/program.h"
 #include "base/version.h"
+#include "experiment/clock_lag.h"
 #include "experiment/intake.h"
 #include "experiment/schedule.h"
 #include "protocols/truth.h"
@@ -26,6 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLaneField = "lane";
+constexpr const char* kClockField = "clock_behind_hours";  // where times are not to be trusted
+
+std::string format_clock_field(const ClockLag& lag) { return fmt::format("{:.2f}", lag.hours); }
 
 // A manifest may be of an older study.json, whose pictures show something else.
 Manifest load_checked_manifest(const StudyFolder& folder, const Study& study) {
@@ -99,11 +103,12 @@ void check_same_digests(const SessionRow& earlier, const SessionDigests& now, co
 }
 
 // With what was measured anew: another sitting may be at another screen.
-std::string describe_resume(const SessionRequest& request) {
+std::string describe_resume(const SessionRequest& request, const std::optional<ClockLag>& lag) {
   const ScreenRecord& screen = request.screen;
   const auto number = [](const auto& value) { return value ? Json(*value) : Json(); };
   Json detail;
   for (const auto& [name, value] : request.fields) detail.set(name, value);
+  if (lag) detail.set(kClockField, format_clock_field(*lag));
   detail.set("program_version", kVersion).set("monitor", screen.monitor);
   detail.set("framebuffer_width", number(screen.framebuffer_width));
   detail.set("framebuffer_height", number(screen.framebuffer_height));
@@ -132,21 +137,22 @@ std::string find_last_utc(const SessionRow& row, const std::vector<TrialRow>& tr
   return last;
 }
 
-void check_may_resume(const SessionInputs& inputs, const SessionRow& row, const std::vector<TrialRow>& trials,
-                      const std::string& now_utc) {
+void check_may_resume(const SessionInputs& inputs, const TrialLog& log, const SessionRow& row,
+                      const SessionRequest& request) {
   const auto refuse = [&](const std::string& expected, const std::string& got) {
     throw InputError(inputs.folder.session().string(), "/resume", expected,
                      fmt::format("session {} of {}, {}", row.id, row.participant, got));
   };
   if (!inputs.protocol.may_resume) refuse("sessions that run in one go", "which was interrupted");
   if (!inputs.protocol.resume_within_hours) return;
-  const std::string last = find_last_utc(row, trials);
-  const double hours = count_hours(last, now_utc.empty() ? format_utc_now() : now_utc);
-  if (hours > *inputs.protocol.resume_within_hours) {
-    refuse(fmt::format("a session that was interrupted at most {} hours ago",
-                       *inputs.protocol.resume_within_hours),
-           fmt::format("whose last answer or start was at {}, {:.1f} hours ago", last, hours));
-  }
+  const std::string asked = fmt::format("a session that was interrupted at most {} hours ago",
+                                        *inputs.protocol.resume_within_hours);
+  const std::string last = find_last_utc(row, log.load_trials(row.id));
+  const double hours = count_hours(last, request.now_utc.empty() ? format_utc_now() : request.now_utc);
+  if (hours > *inputs.protocol.resume_within_hours)
+    refuse(asked, fmt::format("whose last answer or start was at {}, {:.1f} hours ago", last, hours));
+  const auto lag = find_clock_lag(log, request.now_utc);
+  if (lag && !request.accepts_clock) refuse(asked, "of unknown age. " + describe_clock_lag(*lag));
 }
 
 // Of a participant of whom the log has no session: a slip of the keyboard must not begin another person.
@@ -164,14 +170,38 @@ void check_new_code(const SessionInputs& inputs, const std::vector<SessionRow>& 
   }
 }
 
-OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
-                           const SessionRequest& request) {
-  std::vector<TrialRow> trials = log.load_trials(row.id);
-  log.append_event(row.id, "resume", 0, describe_resume(request));
-  return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true};
+// The same words in every program that would run it.
+std::string name_lock(const SessionInputs& inputs, const std::string& code) {
+  return fmt::format("{}/{}/{}", format_kind(inputs.kind), format_experiment(inputs.experiment), code);
 }
 
-OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+[[noreturn]] void refuse_running(const SessionInputs& inputs, const TrialLog& log, const std::string& code) {
+  std::string session = "a session";
+  for (const SessionRow& row : log.load_sessions()) {
+    if (row.kind == inputs.kind && row.experiment == inputs.experiment && row.participant == code)
+      session = fmt::format("session {}", row.id);
+  }
+  throw InputError(
+      inputs.folder.responses().string(), "session", "a session that no other window runs",
+      fmt::format("{} of {}, {} experiment, which runs in another window now; go on there, or close "
+                  "that window first",
+                  session, code, format_experiment(inputs.experiment)));
+}
+
+// The age of planted subjects is nothing to anybody.
+std::optional<ClockLag> find_persons_lag(const TrialLog& log, const SessionRequest& request) {
+  return request.kind == SubjectKind::kPerson ? find_clock_lag(log, request.now_utc) : std::nullopt;
+}
+
+OpenSession resume_session(const SessionInputs& inputs, TrialLog& log, const SessionRow& row,
+                           const SessionRequest& request, SessionLock lock) {
+  std::vector<TrialRow> trials = log.load_trials(row.id);
+  log.append_event(row.id, "resume", 0, describe_resume(request, find_persons_lag(log, request)));
+  return {row, make_session(row.experiment, std::move(trials), make_rules(inputs)), true, std::move(lock)};
+}
+
+OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request,
+                          SessionLock lock) {
   SessionRow row;
   row.participant = request.participant;
   row.kind = inputs.kind;
@@ -184,12 +214,14 @@ OpenSession begin_session(const SessionInputs& inputs, TrialLog& log, const Sess
   row.screen = request.screen;
   row.fields = request.fields;
   if (request.lane || lane != Lane{}) row.fields[kLaneField] = format_lane(lane);
+  if (const auto lag = find_persons_lag(log, request)) row.fields[kClockField] = format_clock_field(*lag);
   row.started_utc = format_utc_now();
   auto trials = add_extra_trials(
       make_schedule(inputs.study, inputs.experiment, inputs.cells, inputs.kind, row.seed, row.subject_index),
       inputs.study, inputs.protocol, inputs.experiment, inputs.kind, row.seed, row.subject_index);
   row.id = log.append_session(row, trials);
-  return {row, make_session(inputs.experiment, std::move(trials), make_rules(inputs)), false};
+  return {row, make_session(inputs.experiment, std::move(trials), make_rules(inputs)), false,
+          std::move(lock)};
 }
 
 }  // namespace
@@ -260,14 +292,22 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
   log.check_not_withdrawn(request.participant);
   if (!unfinished && inputs.kind == SubjectKind::kPerson)
     check_new_code(inputs, sessions, request.participant);
-  if (unfinished && inputs.kind == SubjectKind::kPerson)
-    check_may_resume(inputs, *unfinished, log.load_trials(unfinished->id), request.now_utc);
+  if (unfinished && inputs.kind == SubjectKind::kPerson) check_may_resume(inputs, log, *unfinished, request);
   return unfinished;
 }
 
+void check_not_running(const SessionInputs& inputs, const TrialLog& log, const SessionRequest& request) {
+  if (SessionLock::is_held(inputs.folder.responses(), name_lock(inputs, request.participant)))
+    refuse_running(inputs, log, request.participant);
+}
+
+// Locked before it is looked for, so that of two who begin at once one waits for nobody and one is refused.
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+  SessionLock lock(inputs.folder.responses(), name_lock(inputs, request.participant));
+  if (lock.is_busy()) refuse_running(inputs, log, request.participant);
   const auto unfinished = find_unfinished_session(inputs, log, request);
-  return unfinished ? resume_session(inputs, log, *unfinished, request) : begin_session(inputs, log, request);
+  return unfinished ? resume_session(inputs, log, *unfinished, request, std::move(lock))
+                    : begin_session(inputs, log, request, std::move(lock));
 }
 
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request) {

@@ -10,6 +10,7 @@
 
 #include "experiment/extra_trials.h"
 #include "experiment/session.h"
+#include "experiment/session_lock.h"
 #include "experiment/trial_log.h"
 #include "stimuli/study_folder.h"
 
@@ -24,13 +25,15 @@ struct SessionRequest {
   ScreenRecord screen;
   std::map<std::string, std::string> fields = {};  ///< of a new session
   std::optional<Lane> lane = {};                   ///< of a new session; empty: as find_lane gives it
-  std::string now_utc = {};  ///< for the age limit of a resume; the system clock where empty
+  std::string now_utc = {};    ///< for the age limit of a resume; the system clock where empty
+  bool accepts_clock = false;  ///< the experimenter was told that the clock is behind the log, and goes on
 };
 
 struct OpenSession {
   SessionRow row;
   Session session;
   bool resumed = false;
+  SessionLock lock;  ///< while it is held no other program opens this session
 };
 
 /// "2/3": the second of three stations. errors: InputError
@@ -74,11 +77,16 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
 std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, const TrialLog& log,
                                                   const SessionRequest& request);
 
+/// Before anybody is asked anything; open_session makes sure. errors: InputError that names log and session
+/// where another window runs the participant's session
+void check_not_running(const SessionInputs& inputs, const TrialLog& log, const SessionRequest& request);
+
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
 /// picture is missing, if the participant has finished this experiment, if the protocol lets no person go on
-/// with an interrupted session, or not after so long, or if an earlier session of this experiment and kind
-/// was made from other digests; StoreError from the log.
+/// with an interrupted session, or not after so long, or where that cannot be told by the clock, if an
+/// earlier session of this experiment and kind was made from other digests, or as check_not_running;
+/// StoreError from the log.
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request);
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request);
 

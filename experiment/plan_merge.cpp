@@ -6,6 +6,7 @@
 
 #include "experiment/intake.h"
 #include "experiment/merge_logs.h"
+#include "experiment/rename_codes.h"
 
 namespace equilux {
 namespace {
@@ -52,17 +53,26 @@ struct Held {
 
 class Planner {
  public:
-  Planner(const LogContent& ours, const std::string& study_digest)
-      : study_digest_(study_digest), station_(ours.station), exports_(ours.exports) {
+  Planner(const LogContent& ours, const std::string& study_digest, const std::vector<Rename>& renames)
+      : study_digest_(study_digest), renames_(renames), station_(ours.station), exports_(ours.exports) {
     tombstones_ = ours.tombstones;
     for (const LogSession& session : ours.sessions) held_.push_back({session, ours.source});
   }
 
+  void rename(std::vector<LogContent>& theirs, const LogContent& ours) {
+    rename_codes(theirs, ours, renames_, plan_.conflicts);
+  }
+
+  // A withdrawal may be known by another code here.
   void take_tombstones(const LogContent& log) {
+    const std::vector<Tombstone> before = tombstones_;
     for (const Tombstone& tombstone : log.tombstones) {
-      if (std::find(tombstones_.begin(), tombstones_.end(), tombstone) != tombstones_.end()) continue;
-      tombstones_.push_back(tombstone);
-      plan_.tombstones.push_back(tombstone);
+      const bool is_known = std::any_of(before.begin(), before.end(), [&](const Tombstone& known) {
+        return is_of_same_withdrawal(known, tombstone);
+      });
+      if (is_known) continue;
+      check_who_withdrew(tombstone, log.source);
+      add_tombstone(tombstone);
     }
   }
 
@@ -84,15 +94,19 @@ class Planner {
   void erase_withdrawn() {
     std::erase_if(held_, [&](const Held& held) {
       const std::string& code = held.session.row.participant;
-      if (!find_tombstone(tombstones_, code)) return false;
+      const auto tombstone = find_tombstone(tombstones_, code);
+      if (!tombstone) return false;
+      for (const std::string& name : list_names(held.session.row))
+        add_tombstone(make_tombstone_beside(*tombstone, name));
       if (std::find(plan_.erased.begin(), plan_.erased.end(), code) == plan_.erased.end())
         plan_.erased.push_back(code);
       return true;
     });
   }
 
-  void take(const LogSession& session, const std::string& source) {
-    if (find_tombstone(tombstones_, session.row.participant)) {
+  void take(LogSession session, const std::string& source) {
+    take_known_code(session, source);
+    if (has_withdrawn(session.row)) {
       conflict(session, source, "the participant withdrew; withdraw there too, then merge again");
       return;
     }
@@ -126,6 +140,49 @@ class Planner {
  private:
   void conflict(const LogSession& session, const std::string& source, const std::string& what) {
     plan_.conflicts.push_back(fmt::format("{}: {}: {}", source, name_session(session), what));
+  }
+
+  void add_tombstone(const Tombstone& tombstone) {
+    if (std::find(tombstones_.begin(), tombstones_.end(), tombstone) != tombstones_.end()) return;
+    tombstones_.push_back(tombstone);
+    plan_.tombstones.push_back(tombstone);
+  }
+
+  // Who was renamed here must not be taken for the other one of the code.
+  void check_who_withdrew(const Tombstone& tombstone, const std::string& source) {
+    for (const Held& held : held_) {
+      const SessionRow& row = held.session.row;
+      const std::string home = find_home_code(row);
+      if (home == row.participant || !is_of(tombstone, home) || find_tombstone(tombstones_, home)) continue;
+      plan_.conflicts.push_back(
+          fmt::format("{}: {} withdrew there, which is the code of two persons: if it was {}, of station {}, "
+                      "say --rename "
+                      "{}={}; else withdraw {} here first",
+                      source, home, row.participant, row.station.substr(0, 8), home, row.participant, home));
+      return;
+    }
+  }
+
+  // Under any of these names: also who was renamed here before, and comes in under the first code.
+  bool has_withdrawn(const SessionRow& row) const {
+    return find_tombstone(tombstones_, row.participant) || find_tombstone(tombstones_, name_at_home(row));
+  }
+
+  // By which a person of that station is known here already.
+  void take_known_code(LogSession& session, const std::string& source) {
+    const auto known = std::find_if(held_.begin(), held_.end(), [&](const Held& held) {
+      return is_same_person(held.session.row, session.row);
+    });
+    if (known == held_.end()) return;
+    const std::string& code = known->session.row.participant;
+    const bool is_asked_for = std::any_of(renames_.begin(), renames_.end(), [&](const Rename& rename) {
+      return rename.new_code == session.row.participant;
+    });
+    if (is_asked_for && session.row.participant != code)
+      conflict(
+          session, source,
+          fmt::format("is {} in {} already: codes are for good once they are taken in", code, known->source));
+    give_code(session.row, code);
   }
 
   Held* find_same(const LogSession& session) {
@@ -190,7 +247,9 @@ class Planner {
       if (row.complete && place->second->session.row.complete) {
         conflict(
             held.session, held.source,
-            fmt::format("this participant finished the same experiment in {} too", place->second->source));
+            fmt::format("this participant finished the same experiment in {} too; were they two persons, "
+                        "--rename {}=NEW gives the one of the log that comes in another code",
+                        place->second->source, row.participant));
       } else {
         plan_.remarks.push_back(
             fmt::format("{} has more than one session in the {} experiment; at most one is complete",
@@ -214,6 +273,7 @@ class Planner {
   }
 
   std::string study_digest_;
+  std::vector<Rename> renames_;
   std::string station_;  // ours
   std::vector<ExportRow> exports_;
   std::vector<Held> held_;
@@ -224,14 +284,16 @@ class Planner {
 }  // namespace
 
 MergePlan plan_merge(const LogContent& ours, const std::vector<LogContent>& theirs,
-                     const std::string& study_digest) {
-  Planner planner(ours, study_digest);
-  for (const LogContent& log : theirs) {
+                     const std::string& study_digest, const std::vector<Rename>& renames) {
+  Planner planner(ours, study_digest, renames);
+  std::vector<LogContent> renamed = theirs;
+  planner.rename(renamed, ours);
+  for (const LogContent& log : renamed) {
     planner.take_tombstones(log);
     planner.take_exports(log);
   }
   planner.erase_withdrawn();
-  for (const LogContent& log : theirs) {
+  for (const LogContent& log : renamed) {
     for (const LogSession& session : log.sessions) planner.take(session, log.source);
   }
   return planner.finish();

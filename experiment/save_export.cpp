@@ -14,8 +14,6 @@ namespace equilux {
 namespace {
 namespace fs = std::filesystem;
 
-fs::path part_of(const fs::path& folder) { return folder.string() + ".part"; }
-
 const std::string* find_text(const Json& json, const char* name) {
   const Json* member = json.find(name);
   return member && member->is_string() ? &member->as_string() : nullptr;
@@ -49,6 +47,43 @@ void check_is_export(const fs::path& folder) {
   }
 }
 
+// The name that save_text was to give a half-written file, NAME.PROCESS@HOST.part.
+std::string strip_writer(const std::string& name) {
+  const std::size_t host = name.rfind('@');
+  const std::size_t process = host == std::string::npos ? host : name.rfind('.', host);
+  return process == std::string::npos || !name.ends_with(".part") ? name : name.substr(0, process);
+}
+
+// A file that is certainly not of an export which was killed: what its record lists may be whole or
+// half-written; before there is a record, only that is. Empty where there is none.
+std::string find_stranger(const fs::path& part) {
+  if (!fs::is_directory(part)) return part.filename().string();
+  std::set<std::string> files = {kExportRecord};
+  try {
+    if (path_exists(part / kExportRecord)) files = load_listed_files(part);
+  } catch (const InputError&) {
+    return kExportRecord;
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(part)) {
+    if (entry.is_directory() && !entry.is_symlink()) continue;
+    const fs::path name = entry.path().lexically_relative(part);
+    if (!files.contains(strip_writer(name.generic_string()))) return name.string();
+  }
+  return {};
+}
+
+void check_part(const fs::path& folder) {
+  const fs::path part = find_export_part(folder);
+  if (!path_exists(part)) return;
+  const std::string stranger = find_stranger(part);
+  if (stranger.empty()) return;
+  throw InputError(
+      part.string(), "", "a free name, or what an export that was killed has left",
+      fmt::format("{}, which no export has written. An export to {} is written there first, and "
+                  "answers may lie there: look into it, move or delete it, or export to another name",
+                  stranger, folder.string()));
+}
+
 void write_files(const fs::path& folder, const ExportFiles& files) {
   save_text(folder / kExportRecord, files.at(kExportRecord));
   for (const auto& [name, bytes] : files) {
@@ -67,8 +102,7 @@ void rename_folder(const fs::path& from, const fs::path& to, unsigned flags) {
 class PartFolder {
  public:
   explicit PartFolder(const fs::path& path) : path_(path) {
-    if (fs::exists(path_) && !fs::is_empty(path_)) load_listed_files(path_);  // of an interrupted export
-    fs::remove_all(path_);
+    fs::remove_all(path_);  // of an export that was killed, see check_part
     make_folder(path_);
     std::error_code ignored;  // where there are no permissions
     fs::permissions(path_, fs::perms::owner_all, ignored);
@@ -91,8 +125,11 @@ fs::path find_export_folder(const fs::path& folder) {
   return name.has_filename() ? name : name.parent_path();
 }
 
+fs::path find_export_part(const fs::path& folder) { return find_export_folder(folder).string() + ".part"; }
+
 void check_can_export(const fs::path& folder, bool force) {
   const fs::path name = find_export_folder(folder);
+  check_part(name);
   if (!fs::exists(name)) return;
   if (!fs::is_directory(name)) throw InputError(name.string(), "", "a folder's name", "a file's");
   if (fs::is_empty(name)) return;
@@ -104,7 +141,7 @@ void check_can_export(const fs::path& folder, bool force) {
 
 void save_export(const fs::path& folder, const ExportFiles& files, bool force) {
   check_can_export(folder, force);
-  const fs::path name = find_export_folder(folder), part = part_of(name);
+  const fs::path name = find_export_folder(folder), part = find_export_part(name);
   const bool replaces = fs::exists(name) && !fs::is_empty(name);
   const PartFolder guard(part);
   write_files(part, files);

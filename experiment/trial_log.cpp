@@ -210,7 +210,7 @@ std::vector<AnswerRow> TrialLog::load_answers(SubjectKind kind, Experiment exper
 }
 
 std::int64_t TrialLog::count_withdrawn() const {
-  return load_integer(impl_->database, "SELECT count(*) FROM tombstone");
+  return load_integer(impl_->database, "SELECT count(DISTINCT salt) FROM tombstone");
 }
 
 void TrialLog::check_not_withdrawn(const std::string& code) const {

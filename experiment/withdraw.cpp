@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cctype>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <set>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "experiment/export_log.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
+#include "experiment/rename_codes.h"
 #include "stimuli/study_folder.h"
 
 namespace equilux {
@@ -19,6 +23,19 @@ std::vector<SessionRow> load_sessions_of(const Database& database, const std::st
   std::vector<SessionRow> sessions = load_sessions(database);
   std::erase_if(sessions, [&](const SessionRow& row) { return row.participant != code; });
   return sessions;
+}
+
+// Whoever asks to be erased may tell the code that a station gave.
+std::vector<std::string> find_namesakes(const Database& database, const std::string& code) {
+  std::set<std::string> codes;
+  for (const SessionRow& row : load_sessions(database)) {
+    if (row.participant != code && find_home_code(row) == code) codes.insert(row.participant);
+  }
+  return {codes.begin(), codes.end()};
+}
+
+std::string format_namesakes(const std::string& code, const std::vector<std::string>& namesakes) {
+  return fmt::format("{} of another station is {} here", code, fmt::join(namesakes, ", "));
 }
 
 int count_answers(const Database& database, const std::vector<SessionRow>& sessions) {
@@ -57,8 +74,12 @@ bool is_gone(const fs::path& path) {
 std::string format_export(const ExportRow& row) {
   if (!row.station.empty())
     return fmt::format("  at station {}: {}, of {}\n", row.station.substr(0, 8), row.path, row.made_utc);
+  const fs::path part = find_export_part(row.path);
   return fmt::format("  {}, of {}{}\n", row.path, row.made_utc,
-                     is_gone(row.path) ? ": not there any more; if it was moved, it holds them still" : "");
+                     is_gone(row.path) ? ": not there any more; if it was moved, it holds them still" : "") +
+         (is_gone(part)
+              ? ""
+              : fmt::format("  {}, which an export that was broken off left there\n", part.string()));
 }
 
 bool has_table(const Database& database, const std::string& table) {
@@ -67,7 +88,12 @@ bool has_table(const Database& database, const std::string& table) {
 
 void bury(const Database& database, const std::string& code) {
   Transaction transaction(database);
-  if (!find_tombstone(load_tombstones(database), code)) insert_tombstone(database, make_tombstone(code));
+  const Tombstone tombstone = find_tombstone(load_tombstones(database), code).value_or(make_tombstone(code));
+  insert_tombstone(database, tombstone);
+  for (const SessionRow& session : load_sessions_of(database, code)) {
+    for (const std::string& name : list_names(session))
+      insert_tombstone(database, make_tombstone_beside(tombstone, name));
+  }
   erase_participant(database, code);
   transaction.commit();
 }
@@ -132,8 +158,10 @@ Withdrawal plan_withdrawal(const fs::path& log, const std::string& code) {
   withdrawal.copies = find_copies_with(log, code);
   withdrawal.exports = load_exports(database);
   find_reports(withdrawal, StudyFolder{log.parent_path()}.report_folder());
+  withdrawal.namesakes = find_namesakes(database, code);
   if (!withdrawal.withdrawn_utc && withdrawal.sessions.empty() && withdrawal.copies.empty())
-    throw InputError(log.string(), "participant/code", "the code of a participant of this log", code);
+    throw InputError(log.string(), "participant/code", "the code of a participant of this log",
+                     withdrawal.namesakes.empty() ? code : format_namesakes(code, withdrawal.namesakes));
   return withdrawal;
 }
 
@@ -149,6 +177,9 @@ std::string format_withdrawal(const Withdrawal& withdrawal) {
     text += fmt::format("  also in {}, which is yours to delete or to make again\n", report.string());
   for (const fs::path& path : withdrawal.unread)
     text += fmt::format("  perhaps also in {}, which cannot be read: look into it\n", path.string());
+  if (!withdrawal.namesakes.empty())
+    text += fmt::format("  {}, another person, who stays: make sure who of them withdraws\n",
+                        format_namesakes(withdrawal.code, withdrawal.namesakes));
   return text + format_exports(withdrawal.exports);
 }
 

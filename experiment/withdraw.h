@@ -22,6 +22,7 @@ struct Withdrawal {
   std::vector<ExportRow> exports;              ///< earlier ones: files that may hold these answers
   std::vector<std::filesystem::path> reports;  ///< files of the study folder's report that hold the code
   std::vector<std::filesystem::path> unread;   ///< likewise, or the report's folder, that cannot be read
+  std::vector<std::string> namesakes;          ///< codes here of others whom a station gave this code
 };
 
 /// Looks without touching anything. errors: InputError where neither log nor copies know the code and nobody

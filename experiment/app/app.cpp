@@ -194,9 +194,11 @@ void print_outcome(const Workplace& work, const Seat& seat) {
 }
 
 // Empty if the window was closed, or the participant declined.
-std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool asks_setup) {
+std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool is_asked) {
+  const bool is_age_doubtful = work.goes_on && work.clock_lag && work.inputs.kind == SubjectKind::kPerson;
+  const bool asks_setup = is_asked || is_age_doubtful;
   if (asks_setup && !ask_setup(window, gui, work)) return std::nullopt;
-  work.is_set_up = asks_setup;
+  work.is_set_up = work.request.accepts_clock = asks_setup;
   if (work.goes_on || work.inputs.kind != SubjectKind::kPerson) return take_seat(work, {});
   const Intake intake = ask_intake(window, gui, work);
   if (intake.step == IntakeStep::kDone) return take_seat(work, find_fields(intake, work.inputs.protocol));

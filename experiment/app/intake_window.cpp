@@ -111,7 +111,8 @@ bool ask_setup(AppWindow& window, Gui& gui, Workplace& work) {
                          find_least_framebuffer(picture),
                          work.request.participant,
                          format_experiment(work.inputs.experiment),
-                         work.goes_on_with};
+                         work.goes_on_with,
+                         describe_clock(work)};
     return draw_setup(gui, window.framebuffer(), view, form);
   };
   const auto read = [&](const InputEvent& event) {

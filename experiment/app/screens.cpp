@@ -226,6 +226,7 @@ bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& fo
   const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
   page.say(fmt::format("Participant {}, {} experiment. {}", view.participant, view.experiment,
                        view.goes_on_with.empty() ? "A new session." : view.goes_on_with));
+  if (!view.clock.empty()) page.warn(view.clock);
   page.say(describe_setup(view));
   const SetupErrors errors = find_errors(form);
   const bool takes_focus = std::exchange(form.takes_focus, false);
@@ -335,6 +336,15 @@ std::string describe_misfit(Size framebuffer, Size wanted, const std::string& wa
       framebuffer.width, framebuffer.height, wanted.width, wanted.height, way_on);
 }
 
+std::string describe_lost_monitor(const std::string& monitor, const std::string& way_on) {
+  return fmt::format(
+      "The session's monitor, {}, is gone: unplugged, switched off, or taken out of the desktop. Nothing "
+      "that is pressed counts as an answer meanwhile. Connect it again, and the session can go on there; or "
+      "end it here. On another monitor pictures would have another size: if this one does not come back, "
+      "close the window (Alt-F4): {}. What was answered is kept.",
+      monitor, way_on);
+}
+
 std::string read_reason(const PauseForm& form) {
   const std::string reason = read_text(form.reason);
   return reason.empty() ? "ended by the experimenter" : reason;
@@ -345,7 +355,9 @@ PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseF
   page.say(fmt::format(
       "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
       view.progress.answered, view.progress.count));
-  if (framebuffer != view.wanted) {
+  if (view.lost_monitor) {
+    page.warn(describe_lost_monitor(*view.lost_monitor, view.way_on));
+  } else if (framebuffer != view.wanted) {
     page.warn(describe_misfit(framebuffer, view.wanted, view.way_on));
   } else if (page.press("Go on (F1)")) {
     return PauseChoice::kGoOn;

@@ -76,6 +76,7 @@ struct SetupView {
   std::string participant;
   std::string experiment;
   std::string goes_on_with;  ///< empty for a session that begins
+  std::string clock;         ///< what is wrong with the computer's; empty where nothing is
 };
 
 /// True when the button was pressed and the form is right.
@@ -137,10 +138,14 @@ std::string read_reason(const PauseForm& form);
 /// Why a paused session cannot go on in this framebuffer, and what to do; `way_on`: if the window is closed.
 std::string describe_misfit(Size framebuffer, Size wanted, const std::string& way_on);
 
+/// The same where the monitor of that name is gone.
+std::string describe_lost_monitor(const std::string& monitor, const std::string& way_on);
+
 struct PauseView {
   TrialProgress progress;
   Size wanted;         ///< the framebuffer for which the pictures were laid out; in another none can go on
   std::string way_on;  ///< in words, if the window is closed
+  std::optional<std::string> lost_monitor = {};  ///< the session's, where it is gone: then none can go on
 };
 
 PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form);

@@ -39,6 +39,13 @@ std::string find_verdict(const CatchTrials& asked, int caught, int answered) {
 
 std::string number(int value) { return fmt::format("{}", value); }
 
+// That stand on the set-up screen, where it is shown.
+std::vector<std::string> list_remarks(const Workplace& work) {
+  std::vector<std::string> remarks = work.setup.remarks;
+  if (work.clock_lag) remarks.push_back(describe_clock(work));
+  return remarks;
+}
+
 bool is_press(const InputEvent& event, Key key) {
   return event.kind == InputKind::kKeyPress && event.key == key;
 }
@@ -169,7 +176,7 @@ void SessionWindow::fly() {
     is_left_ = true;
     return;
   }
-  if (session().screen == Screen::kPause) return check_size();
+  if (session().screen == Screen::kPause) return check_screen();
   const std::int64_t now_ns = read_clock_ns();
   if (session().screen != Screen::kTrial) {
     take(ContinueEvent{now_ns});
@@ -215,7 +222,9 @@ void SessionWindow::read_page_key(const InputEvent& event) {
 
 void SessionWindow::read_pause_key(const InputEvent& event) {
   if (is_press(event, Key::kF1) && fits()) take(ContinueEvent{event.time_ns});
-  if (is_press(event, Key::kF2)) take(AbortEvent{read_reason(pause_), event.time_ns});
+  if (!is_press(event, Key::kF2)) return;
+  while (gui_->has_events() && session().screen == Screen::kPause) draw_pause_page();  // of the reason too
+  take(AbortEvent{read_reason(pause_), event.time_ns});
 }
 
 // Focus, size and monitors: what the experimenter wants to know afterwards.
@@ -227,9 +236,12 @@ void SessionWindow::note_changes() {
 
 bool SessionWindow::is_over() const { return equilux::is_over(session()); }
 
-// Nobody is there to give the window its size again.
-void SessionWindow::check_size() const {
+// Nobody is there to plug in a monitor, or to give the window its size again.
+void SessionWindow::check_screen() const {
   if (fits()) return;
+  if (window_->has_lost_monitor())
+    throw InputError("screen", "", "the monitor on which the session began, " + window_->monitor_name(),
+                     "none: it is gone");
   const Size wanted = work_->layout.framebuffer, size = window_->framebuffer();
   throw InputError(
       "screen", "",
@@ -237,9 +249,12 @@ void SessionWindow::check_size() const {
       fmt::format("{} x {}", size.width, size.height));
 }
 
-bool SessionWindow::fits() const { return window_->framebuffer() == work_->layout.framebuffer; }
+bool SessionWindow::fits() const {
+  return !window_->has_lost_monitor() && window_->framebuffer() == work_->layout.framebuffer;
+}
 
-// No picture is scaled, cut off or moved: in a window of another size the session waits for the experimenter.
+// No picture is scaled, cut off or moved: in a window of another size, or without its monitor, the session
+// waits for the experimenter.
 void SessionWindow::pause_unless_it_fits() {
   if (fits()) return;
   window_->wait(0);  // what happened is in the log before what follows from it
@@ -340,7 +355,7 @@ bool SessionWindow::lay_out_page() {
       return draw_instructions(
           *gui_, size, texts,
           {session().experiment, count_main(session(), false), count_main(session(), true),
-           work_->is_set_up ? std::vector<std::string>{} : work_->setup.remarks});
+           work_->is_set_up ? std::vector<std::string>{} : list_remarks(*work_)});
     case Screen::kPractice:
       return lay_out_message("practice_title",
                              {texts.fill("practice_text", {{"count", number(count_practice(session()))}})},
@@ -358,7 +373,8 @@ bool SessionWindow::lay_out_page() {
 void SessionWindow::draw_pause_page() {
   window_->clear();
   gui_->begin_frame();
-  const PauseView view{find_progress(session()), work_->layout.framebuffer, describe_way_on(work_->inputs)};
+  PauseView view{find_progress(session()), work_->layout.framebuffer, describe_way_on(work_->inputs)};
+  if (window_->has_lost_monitor()) view.lost_monitor = window_->monitor_name();
   const PauseChoice choice = draw_pause(*gui_, window_->framebuffer(), view, pause_);
   gui_->end_frame();
   window_->swap();

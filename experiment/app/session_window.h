@@ -68,7 +68,7 @@ class SessionWindow {
   bool lay_out_message(const std::string& title, const std::vector<std::string>& paragraphs,
                        const std::string& button) const;
   bool lay_out_last_page() const;
-  void check_size() const;
+  void check_screen() const;
   bool fits() const;
   void pause_unless_it_fits();
   bool is_over() const;

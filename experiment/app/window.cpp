@@ -40,7 +40,6 @@ std::vector<std::string> label(const std::vector<GLFWmonitor*>& monitors) {
 GLFWmonitor* find_monitor(const std::string& name) {
   const auto monitors = list_monitors();
   if (monitors.empty()) throw InputError("--monitor", "", "a monitor", "none connected");
-  if (name.empty()) return monitors.front();
   const auto labels = label(monitors);
   const auto found = std::find(labels.begin(), labels.end(), name);
   if (found != labels.end()) return monitors[static_cast<std::size_t>(found - labels.begin())];
@@ -144,7 +143,9 @@ std::int64_t read_clock_ns() {
 Display::Display(const std::string& monitor) {
   if (!glfwInit()) throw InputError("display", "", "a screen to show pictures on", describe_glfw_error());
   try {
-    monitor_ = find_monitor(monitor);
+    const auto monitors = list_monitors();
+    name_ = monitor.empty() && !monitors.empty() ? label(monitors).front() : monitor;
+    find_monitor(name_);
   } catch (...) {
     glfwTerminate();
     throw;
@@ -153,21 +154,17 @@ Display::Display(const std::string& monitor) {
 
 Display::~Display() { glfwTerminate(); }
 
-std::string Display::monitor_name() const {
-  const auto monitors = list_monitors();
-  const auto found = std::find(monitors.begin(), monitors.end(), monitor_);
-  if (found == monitors.end()) return glfwGetMonitorName(monitor_);
-  return label(monitors)[static_cast<std::size_t>(found - monitors.begin())];
-}
+// Of one that was unplugged the window system's is freed, and another made when it is back.
+GLFWmonitor* Display::monitor() const { return find_monitor(name_); }
 
 Size Display::size() const {
-  const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor());
   return {mode->width, mode->height};
 }
 
 Size Display::reported_mm() const {
   Size size;
-  glfwGetMonitorPhysicalSize(monitor_, &size.width, &size.height);
+  glfwGetMonitorPhysicalSize(monitor(), &size.width, &size.height);
   return size;
 }
 
@@ -219,9 +216,14 @@ struct AppWindow::Callbacks {
   // GLFW tells this to no window in particular.
   static void monitor(GLFWmonitor* monitor, int event) {
     if (!watching_) return;
+    const std::string name = glfwGetMonitorName(monitor);
     const bool is_there = event == GLFW_CONNECTED;
-    add_change(*watching_, is_there ? "monitor_connected" : "monitor_disconnected",
-               glfwGetMonitorName(monitor));
+    AppWindow& window = *watching_;
+    add_change(window, is_there ? "monitor_connected" : "monitor_disconnected", name);
+    if (is_there && window.watch_.connect(monitor, name)) window.returned_ = monitor;
+    if (is_there || !window.watch_.disconnect(monitor)) return;
+    window.monitor_ = window.returned_ = nullptr;
+    window.is_displaced_ = true;
   }
   static void add_change(AppWindow& window, std::string kind, std::string detail) {
     window.changes_.push_back({std::move(kind), std::move(detail), read_clock_ns()});
@@ -253,6 +255,8 @@ AppWindow::~AppWindow() {
 
 void AppWindow::open(const Display& display, Size size, bool fills_monitor) {
   monitor_ = display.monitor();
+  fills_monitor_ = fills_monitor;
+  watch_.follow(monitor_, glfwGetMonitorName(monitor_));
   set_hints(fills_monitor);
   if (fills_monitor) hint_mode(*glfwGetVideoMode(monitor_));
   window_ = glfwCreateWindow(size.width, size.height, "Equilux", fills_monitor ? monitor_ : nullptr, nullptr);
@@ -290,7 +294,7 @@ void AppWindow::check_framebuffer(Size wanted) {
 
 void AppWindow::resize(Size size) {
   glfwSetWindowSize(window_, size.width, size.height);
-  centre(window_, monitor_, size);
+  if (monitor_) centre(window_, monitor_, size);
   check_framebuffer(size);
 }
 
@@ -306,6 +310,34 @@ void AppWindow::wait(double seconds) {
   } else {
     glfwPollEvents();
   }
+  leave_monitor();
+  return_to_monitor();
+}
+
+// GLFW 3.3 moves it by a frame of unknown size, which without a window manager is anywhere.
+void AppWindow::leave_monitor() {
+  if (!std::exchange(is_displaced_, false) || monitor_) return;
+  int x = 0;
+  int y = 0;
+  if (GLFWmonitor* other = glfwGetPrimaryMonitor()) glfwGetMonitorPos(other, &x, &y);
+  glfwSetWindowPos(window_, x, y);
+  glfwFocusWindow(window_);
+  is_damaged_ = true;
+}
+
+// Not from inside the window system's call. In the mode that it came back with: whether that does is for
+// others to say.
+void AppWindow::return_to_monitor() {
+  if (!returned_) return;
+  monitor_ = std::exchange(returned_, nullptr);
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
+  if (fills_monitor_) {
+    glfwSetWindowMonitor(window_, monitor_, 0, 0, mode->width, mode->height, mode->refreshRate);
+  } else {
+    centre(window_, monitor_, framebuffer());
+  }
+  glfwFocusWindow(window_);
+  is_damaged_ = true;
 }
 
 std::vector<InputEvent> AppWindow::take_events() { return std::exchange(events_, {}); }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "experiment/app/input.h"
+#include "experiment/app/monitor_watch.h"
 
 struct GLFWmonitor;
 struct GLFWwindow;
@@ -25,13 +26,15 @@ class Display {
   Display(const Display&) = delete;
   Display& operator=(const Display&) = delete;
 
-  std::string monitor_name() const;  ///< as it can be chosen by
-  Size size() const;                 ///< of the current video mode; units: pixels
-  Size reported_mm() const;          ///< as the system says; 0 where it does not know
-  GLFWmonitor* monitor() const { return monitor_; }
+  const std::string& monitor_name() const { return name_; }  ///< as it can be chosen by
+
+  // errors: InputError if it was unplugged
+  Size size() const;         ///< of the current video mode; units: pixels
+  Size reported_mm() const;  ///< as the system says; 0 where it does not know
+  GLFWmonitor* monitor() const;
 
  private:
-  GLFWmonitor* monitor_ = nullptr;
+  std::string name_;
 };
 
 /// Something that happened to the window and is no input.
@@ -67,6 +70,11 @@ class AppWindow {
   bool take_damage();
   bool is_closing() const;
 
+  /// The monitor on which the window was opened is gone; the window is on another one, if there is any. When
+  /// it is back the window is put there again, as it was.
+  bool has_lost_monitor() const { return !monitor_; }
+  const std::string& monitor_name() const { return watch_.name(); }
+
   /// Fills the back buffer with the neutral grey, 128 of 255.
   void clear();
   /// Shows the back buffer; returns when that is done.
@@ -78,10 +86,16 @@ class AppWindow {
   struct Callbacks;
   void open(const Display& display, Size size, bool fills_monitor);
   void check_framebuffer(Size wanted);
+  void leave_monitor();
+  void return_to_monitor();
   InputEvent make_event(InputKind kind) const;
 
   GLFWwindow* window_ = nullptr;
-  GLFWmonitor* monitor_ = nullptr;
+  MonitorWatch watch_;
+  GLFWmonitor* monitor_ = nullptr;   ///< null while it is gone
+  GLFWmonitor* returned_ = nullptr;  ///< the same, back since the window was last looked at
+  bool fills_monitor_ = false;
+  bool is_displaced_ = false;  ///< its monitor has gone since the window was last looked at
   std::vector<InputEvent> events_;
   std::vector<WindowChange> changes_;
   bool is_damaged_ = true;

@@ -66,12 +66,15 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   if (params.windowed && window.framebuffer() != wanted) window.resize(wanted);
   const Layout layout = make_layout(window.framebuffer(), picture_size(manifest), *params.experiment);
 
-  const SessionRequest request = make_request(params);
+  SessionRequest request = make_request(params);
   std::optional<TrialLog> log = find_log(folder);
   SessionInputs inputs = load_session_inputs(folder, log ? &*log : nullptr, request);
   check_pictures(folder, manifest, enumerate_session_keys(inputs));
   if (!log && request.kind == SubjectKind::kPerson) check_code(request.participant, folder.root.string());
+  if (log) check_not_running(inputs, *log, request);
+  request.accepts_clock = true;  // is told on the set-up screen
   const auto unfinished = log ? find_unfinished_session(inputs, *log, request) : std::nullopt;
+  request.accepts_clock = false;
   const std::string goes_on_with = unfinished
                                        ? describe_unfinished(*unfinished, log->load_trials(unfinished->id),
                                                              log->load_events(unfinished->id))
@@ -88,8 +91,19 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
                  std::move(log)};
   work.goes_on = unfinished.has_value();
   work.goes_on_with = goes_on_with;
+  if (work.log) work.clock_lag = find_clock_lag(*work.log);
   set_up(work, {params.diagonal_m, 0, 0});
   return work;
+}
+
+std::string describe_clock(const Workplace& work) {
+  if (!work.clock_lag) return {};
+  const auto& limit = work.inputs.protocol.resume_within_hours;
+  std::string text = describe_clock_lag(*work.clock_lag);
+  if (work.goes_on && limit)
+    text += fmt::format(" The protocol lets this session go on within {} hours: continue only if it is so.",
+                        *limit);
+  return text;
 }
 
 void set_up(Workplace& work, const SetupInput& input) {

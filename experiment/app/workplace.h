@@ -10,6 +10,7 @@
 #include "experiment/app/layout.h"
 #include "experiment/app/setup.h"
 #include "experiment/app/window.h"
+#include "experiment/clock_lag.h"
 #include "experiment/open_session.h"
 #include "experiment/texts.h"
 #include "stimuli/manifest.h"
@@ -25,10 +26,11 @@ struct Workplace {
   ScreenFacts facts;
   SetupInput setup_input;
   ViewingSetup setup;
-  std::optional<TrialLog> log;  ///< empty where no session has begun
-  bool is_set_up = false;       ///< the experimenter has seen the set-up screen and its remarks
-  bool goes_on = false;         ///< the participant has a session that was interrupted
-  std::string goes_on_with;     ///< which one, in words for the experimenter; empty where none
+  std::optional<TrialLog> log;             ///< empty where no session has begun
+  bool is_set_up = false;                  ///< the experimenter has seen the set-up screen and its remarks
+  bool goes_on = false;                    ///< the participant has a session that was interrupted
+  std::string goes_on_with = {};           ///< which one, in words for the experimenter; empty where none
+  std::optional<ClockLag> clock_lag = {};  ///< of the log
 
   const StudyFolder& folder() const { return inputs.folder; }
 };
@@ -52,6 +54,9 @@ Size choose_window_size(const AppParams& params, const Display& display);
 /// Checks that this session can begin or go on, and makes a plain window the size of the study's layout;
 /// writes nothing. errors: InputError, StoreError
 Workplace prepare_workplace(const AppParams& params, const Display& display, AppWindow& window);
+
+/// What the experimenter must know of this computer's clock; empty where it is not behind the log.
+std::string describe_clock(const Workplace& work);
 
 /// What the experimenter set up, with what follows from it.
 void set_up(Workplace& work, const SetupInput& input);

@@ -62,24 +62,34 @@ Rows load_showings(const StudyFolder& folder) {
           "ORDER BY id");
 }
 
+// The first pair was shown.
+bool has_begun(const StudyFolder& folder) {
+  if (!std::filesystem::exists(folder.responses())) return false;
+  try {
+    return !load_showings(folder).empty();
+  } catch (const std::runtime_error&) {  // not made yet
+    return false;
+  }
+}
+
 // Nobody is there who could give it its size again: it says so, and does not wait for ever.
 TEST_F(PlantedAppTest, BeforeAWindowThatBecomesAnotherSizeEndsWithAnError) {
   const StudyFolder folder = make_study("resized", "pocket", 28, 21);
   ChildProcess app = show(folder, "10");
-  const auto has_begun = [&] {
-    if (!std::filesystem::exists(folder.responses())) return false;
-    try {
-      return !load_showings(folder).empty();
-    } catch (const std::runtime_error&) {  // not made yet
-      return false;
-    }
-  };
-  for (int turn = 0; turn < 600 && !has_begun(); ++turn)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  ASSERT_TRUE(has_begun());
+  ASSERT_TRUE(wait_until([&] { return has_begun(folder); })) << app.read_output();
   display_.resize_windows(900, 700);
   EXPECT_NE(app.wait(), 0);
   EXPECT_THAT(app.read_output(), HasSubstr("expected the framebuffer with which the session began"));
+}
+
+TEST_F(PlantedAppTest, BeforeAMonitorThatIsUnpluggedEndsWithAnError) {
+  const StudyFolder folder = make_study("unplugged", "pocket", 28, 21);
+  ChildProcess app = show(folder, "10");
+  ASSERT_TRUE(wait_until([&] { return has_begun(folder); })) << app.read_output();
+  display_.unplug_monitor();
+  EXPECT_EQ(app.wait(), 1);
+  EXPECT_THAT(app.read_output(),
+              HasSubstr("expected the monitor on which the session began, screen, got none"));
 }
 
 TEST_F(PlantedAppTest, LeavesTheLogOfTheHeadlessOneButForTimes) {

@@ -8,10 +8,12 @@
 #include "base/files.h"
 #include "base/json.h"
 #include "tests/e2e/app_fixture.h"
+#include "tests/experiment/raw_database.h"
 
 namespace equilux {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 // A protocol with everything in it: what it asks for comes in order, and is in the log afterwards.
@@ -45,6 +47,17 @@ void press_again_and_again(XDisplay& display, const std::string& key, int count)
     display.type_key(key);
     std::this_thread::sleep_for(std::chrono::milliseconds(150));
   }
+}
+
+std::vector<std::string> list_command(std::vector<std::string> command,
+                                      const std::vector<std::string>& arguments) {
+  command.insert(command.begin(), std::string(EQUILUX_BIN_DIR) + "/equilux-session");
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
+}
+
+std::map<std::string, std::string> show_on(const XDisplay& display) {
+  return {{"DISPLAY", display.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}};
 }
 
 class ProtocolAppTest : public AppTest {};
@@ -122,6 +135,11 @@ int count_resumes(const StudyFolder& folder, std::int64_t session) {
   return count;
 }
 
+int count_showings(const StudyFolder& folder) {
+  return std::stoi(
+      RawDatabase(folder.responses()).value("SELECT count(*) FROM event WHERE kind = 'showing'"));
+}
+
 // Who has agreed and was asked is asked neither again.
 TEST_F(ProtocolAppTest, AnInterruptedSessionGoesOnWithoutConsentAndQuestions) {
   const StudyFolder folder = make_study(kSmallPlan);
@@ -192,6 +210,65 @@ TEST_F(ProtocolAppTest, ASessionWhoseWindowWasClosedIsOfferedToGoOn) {
   display.type_key("space");
   session.wait_for_trial(session.load_trials(id)[1]);
   EXPECT_EQ(session.count_answers(id), 1);
+}
+
+// A double click on the start, or a second experimenter.
+TEST_F(ProtocolAppTest, ASecondWindowOfTheSameSessionIsRefused) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display, other;
+  const auto run_second = [&] {
+    ChildProcess second(list_command({"run"}, arguments_for(folder, "artifact")), show_on(other));
+    EXPECT_EQ(second.wait(), 1);
+    return second.read_output();
+  };
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_THAT(run_second(),
+                AllOf(HasSubstr(folder.responses().string()),
+                      HasSubstr("session 1 of P01, artifact experiment, which runs in another")));
+    ChildProcess status(list_command({"status"}, {folder.root.string()}));
+    EXPECT_EQ(status.wait(), 0);
+    EXPECT_THAT(status.read_output(), HasSubstr("P01"));
+    display.type_key("space");
+    session.wait_for_trial(session.load_trials(id)[0]);
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_EQ(count_resumes(folder, id), 0);
+    session.program().send_signal(SIGKILL);
+    ASSERT_TRUE(session.program().wait());
+  }
+  WatchedSession session(other, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_page("");
+  EXPECT_EQ(count_resumes(folder, 1), 1) << "a killed program holds nothing";
+}
+
+// The set-up screen comes though it was not asked for, and says so.
+TEST_F(ProtocolAppTest, AClockBehindTheLogIsToldBeforeASessionGoesOn) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  std::ofstream(folder.session())
+      << R"({"schema": "equilux-session", "schema_version": 1, "resume": {"within_hours": 24}})";
+  XDisplay display;
+  std::int64_t id = 0;
+  {
+    WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+    id = session.wait_for_session(Experiment::kArtifact);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    session.program().send_signal(SIGKILL);
+    ASSERT_TRUE(session.program().wait());
+  }
+  RawDatabase(folder.responses())
+      .query("UPDATE session SET started_utc = strftime('%Y-%m-%dT%H:%M:%fZ', 'now', '+16 hours')");
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_error("clock-behind");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(count_resumes(folder, id), 0);
+  display.type_key("Return");
+  EXPECT_TRUE(wait_until([&] { return count_resumes(folder, id) == 1; })) << session.program().read_output();
+  EXPECT_THAT(RawDatabase(folder.responses()).value("SELECT detail FROM event WHERE kind = 'resume'"),
+              HasSubstr("clock_behind_hours"));
 }
 
 TEST_F(ProtocolAppTest, AClosedSessionOfAProtocolThatRunsInOneGoStaysAsItIs) {
@@ -300,6 +377,83 @@ TEST_F(ProtocolAppTest, ALongConsentIsReadToItsEndBeforeAnybodyAgrees) {
     display.type_key("Return");
     EXPECT_NE(session.wait_for_session(Experiment::kArtifact), 0);
   }
+}
+
+void turn_wheel(XDisplay& display, int button, int count) {
+  for (int i = 0; i < count; ++i) {
+    display.press_button(button);
+    display.release_button(button);
+  }
+}
+
+constexpr int kWheelUp = 4, kWheelDown = 5;
+
+// The English texts with instructions of 4,000 bytes, as many as a text may have.
+void write_long_instructions(const StudyFolder& folder) {
+  constexpr std::size_t kMost = 4000;
+  const std::filesystem::path english =
+      std::filesystem::path(EQUILUX_SOURCE_DIR) / "experiment/texts/en.json";
+  Json table = parse_json(load_text(english), english.string());
+  std::string text;
+  for (int i = 1; text.size() < kMost; ++i)
+    text += fmt::format("{}. Look at the object, and at nothing beside it. ", i);
+  Json texts = *table.find("texts");
+  texts.set("instructions_artifact", text.substr(0, kMost));
+  save_text(folder.root / "texts-en.json", format_json(table.set("texts", texts)));
+}
+
+// The smallest screen that the pictures have room on: by keys and by the wheel, and left from either end.
+TEST_F(ProtocolAppTest, InstructionsLongerThanASmallScreenScrollToTheirButton) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_long_instructions(folder);
+  XDisplay display(720, 510);
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_consent("long-instructions");  // until it tells that there is more
+  ASSERT_FALSE(HasFatalFailure());
+  const LdrImage top = display.take_screenshot();
+  display.move_pointer(360, 255);
+  turn_wheel(display, kWheelDown, 3);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  turn_wheel(display, kWheelUp, 3);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(display.take_screenshot(), top);
+  for (const char* key : {"Next", "Down", "End"}) {
+    display.type_key(key);
+    session.wait_for_page(*key == 'E' ? "long-instructions-end" : "");
+    ASSERT_FALSE(HasFatalFailure()) << key;
+  }
+  const LdrImage end = display.take_screenshot();
+  turn_wheel(display, kWheelUp, 1);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  turn_wheel(display, kWheelDown, 3);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(display.take_screenshot(), end) << "the wheel comes as far as the keys";
+  display.click(100, 330);  // "Begin"
+  EXPECT_TRUE(wait_until([&] { return count_showings(folder) == 1; })) << session.program().read_output();
+}
+
+TEST_F(ProtocolAppTest, ALongConsentIsReadToItsEndByTheWheelOnASmallScreen) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  write_long_consent(folder);
+  XDisplay display(720, 510);
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_consent("small-consent");
+  ASSERT_FALSE(HasFatalFailure());
+  display.move_pointer(360, 255);
+  display.type_key("Return");
+  EXPECT_FALSE(session.has_changed());
+  turn_wheel(display, kWheelDown, 60);
+  session.wait_for_consent("");
+  ASSERT_FALSE(HasFatalFailure());
+  session.keep("small-consent-end");
+  EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  display.type_key("Return");
+  EXPECT_NE(session.wait_for_session(Experiment::kArtifact), 0);
 }
 
 TEST_F(ProtocolAppTest, TheFirstPageOfObjectsLeadsBackToTheInstructions) {

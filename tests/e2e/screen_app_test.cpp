@@ -31,6 +31,10 @@ class ScreenAppTest : public AppTest {
   static std::vector<std::string> load_changes(const StudyFolder& folder) {
     return load_events(folder, "'resized', 'pause', 'continue', 'abort', 'interrupt'");
   }
+  static std::vector<std::string> load_monitor_events(const StudyFolder& folder) {
+    return load_events(
+        folder, "'monitor_disconnected', 'monitor_connected', 'pause', 'continue', 'abort', 'interrupt'");
+  }
   static void wait_for_changes(const StudyFolder& folder, std::size_t count) {
     ASSERT_TRUE(wait_until([&] { return load_changes(folder).size() >= count; }))
         << testing::PrintToString(load_changes(folder));
@@ -128,6 +132,68 @@ TEST_F(ScreenAppTest, AWindowOfAnotherSizeGoesOnInASittingOfItsOwn) {
   ASSERT_FALSE(HasFatalFailure());
   other.type_key("space");
   session.wait_for_trial(session.load_trials(id)[1]);
+}
+
+// What is pressed meanwhile answers nothing and goes on to nothing; afterwards the pair is shown again.
+TEST_F(ScreenAppTest, AMonitorThatIsUnpluggedPausesUntilItIsBack) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const auto trials = go_to_trial(display, session, Experiment::kArtifact, 2);
+  ASSERT_FALSE(HasFatalFailure());
+  display.unplug_monitor();
+  session.wait_for_error("monitor-gone");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F1");
+  session.answer_by_key(Side::kLeft);
+  session.answer_by_click(Side::kLeft);
+  EXPECT_TRUE(session.stays_away(trials[2]));
+  EXPECT_EQ(load_monitor_events(folder), std::vector<std::string>({"monitor_disconnected screen", "pause "}));
+  EXPECT_TRUE(session.program().is_running()) << session.program().read_output();
+
+  display.plug_in_monitor();
+  session.wait_for_page("monitor-back");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("F1");
+  session.wait_for_trial(trials[2]);
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(count_showings(folder, 2), 2);
+  answer_all(session, trials, 2, kSmallArtifactTrials);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_THAT(session.program().read_output(),
+              AllOf(HasSubstr("is complete"), HasSubstr("monitor_disconnected: 1")));
+  EXPECT_EQ(load_monitor_events(folder), std::vector<std::string>({"monitor_disconnected screen", "pause ",
+                                                                   "monitor_connected screen", "continue "}));
+}
+
+// Unplugged while nothing of the session is on the screen yet: no pair comes, and the experimenter may end
+// it.
+TEST_F(ScreenAppTest, ASessionWhoseMonitorIsGoneCanBeEndedWithAReason) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.unplug_monitor();
+  session.wait_for_error("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  display.click(640, 495);  // the reason
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_text("cable");
+  display.type_key("F2");  // before the next frame: the reason is kept all the same
+  session.wait_for_page("monitor-gone-ended");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("Return");
+  EXPECT_EQ(session.program().wait(), 0);
+  EXPECT_EQ(load_monitor_events(folder),
+            std::vector<std::string>({"monitor_disconnected screen", "pause ", "abort cable"}));
+  EXPECT_EQ(count_showings(folder, 0), 0);
 }
 
 // On a page nothing is at a wrong place, but the next pair would be.

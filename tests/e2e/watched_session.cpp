@@ -153,6 +153,7 @@ void WatchedSession::wait_for(const std::string& name,
     before = std::move(screen);
     return (is_new && is_still) || !program_.is_running();
   });
+  if (!is_there) keep("instead-of-" + name);
   ASSERT_TRUE(is_there && program_.is_running()) << name << " did not come: " << program_.read_output();
   last_screen_ = before;
   keep(name);

@@ -7,6 +7,7 @@
 #include <X11/extensions/XTest.h>
 #include <X11/keysym.h>
 #include <chrono>
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <stdexcept>
 #include <thread>
@@ -48,6 +49,61 @@ struct XDisplay::Connection {
   }
 
   ::Display* display;
+};
+
+// RandR's library, which GLFW loads at run time; without the package of its headers. A monitor is out of the
+// desktop while its controller has no mode.
+class XDisplay::MonitorSwitch {
+ public:
+  explicit MonitorSwitch(::Display* display)
+      : display_(display), library_(::dlopen("libXrandr.so.2", RTLD_NOW)) {
+    if (!library_) throw std::runtime_error("libXrandr.so.2 is missing");
+    resources_ = load<Resources* (*)(::Display*, ::Window)>("XRRGetScreenResourcesCurrent")(
+        display_, DefaultRootWindow(display_));
+    if (!resources_ || resources_->controller_count != 1 || resources_->output_count != 1)
+      throw std::runtime_error("a display with one monitor is expected");
+    mode_ = load<Controller* (*)(::Display*, Resources*, XID)>("XRRGetCrtcInfo")(display_, resources_,
+                                                                                 *resources_->controllers)
+                ->mode;
+  }
+
+  void set(bool is_there) const {
+    using Set = int (*)(::Display*, Resources*, XID, Time, int, int, XID, unsigned short, XID*, int);
+    constexpr unsigned short kUpright = 1;
+    const int status = load<Set>("XRRSetCrtcConfig")(
+        display_, resources_, *resources_->controllers, CurrentTime, 0, 0, is_there ? mode_ : None, kUpright,
+        is_there ? resources_->outputs : nullptr, is_there ? 1 : 0);
+    if (status != 0) throw std::runtime_error(fmt::format("the monitor cannot be switched: {}", status));
+    XSync(display_, False);
+  }
+
+ private:
+  // As XRRScreenResources and XRRCrtcInfo begin. source: X11/extensions/Xrandr.h
+  struct Resources {
+    Time changed, configured;
+    int controller_count;
+    XID* controllers;
+    int output_count;
+    XID* outputs;
+  };
+  struct Controller {
+    Time changed;
+    int x, y;
+    unsigned width, height;
+    XID mode;
+  };
+
+  template <typename Function>
+  Function load(const char* name) const {
+    void* symbol = ::dlsym(library_, name);
+    if (!symbol) throw std::runtime_error(fmt::format("libXrandr.so.2 has no {}", name));
+    return reinterpret_cast<Function>(symbol);
+  }
+
+  ::Display* display_;
+  void* library_;
+  Resources* resources_ = nullptr;
+  XID mode_ = None;
 };
 
 XDisplay::XDisplay(int width, int height) : width_(width), height_(height) {
@@ -136,6 +192,13 @@ void XDisplay::resize_windows(int width, int height) {
   }
   XSync(display, False);
 }
+
+void XDisplay::unplug_monitor() {
+  if (!monitor_) monitor_ = std::make_unique<MonitorSwitch>(connection_->display);
+  monitor_->set(false);
+}
+
+void XDisplay::plug_in_monitor() { monitor_->set(true); }
 
 LdrImage XDisplay::take_screenshot() const {
   ::Display* display = connection_->display;

@@ -38,15 +38,22 @@ class XDisplay {
   /// Makes every window that can be seen another size, as a window manager does.
   void resize_windows(int width, int height);
 
+  /// Takes the only monitor out of the desktop, as if it were unplugged, and puts it back; what is on the
+  /// screen stays there.
+  void unplug_monitor();
+  void plug_in_monitor();
+
   LdrImage take_screenshot() const;
 
  private:
   struct Connection;
+  class MonitorSwitch;
   int width_;
   int height_;
   std::string name_;
   std::unique_ptr<ChildProcess> server_;
   std::unique_ptr<Connection> connection_;
+  std::unique_ptr<MonitorSwitch> monitor_;
 };
 
 }  // namespace equilux

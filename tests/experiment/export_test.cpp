@@ -19,6 +19,7 @@ namespace equilux {
 namespace {
 namespace fs = std::filesystem;
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -341,6 +342,40 @@ TEST_F(Export, OfAnInterruptedOneDoesNotHinderTheNext) {
   save_export(out_, files, false);
   EXPECT_EQ(load_files(out_), files);
   EXPECT_FALSE(fs::exists(out_.string() + ".part"));
+}
+
+// Killed before it had its first file, or in mid-file.
+TEST_F(Export, OfOneThatWasKilledAtItsStartDoesNotHinderTheNext) {
+  for (const char* left : {"", "export.json.123@host.part"}) {
+    fs::create_directories(out_.string() + ".part");
+    if (*left) temporary_.write(std::string("out.part/") + left, "{");
+    const ChildResult result = run({"--force"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_FALSE(fs::exists(out_.string() + ".part"));
+  }
+}
+
+TEST_F(Export, LeavesAloneWhatSomebodyElseHasWhereItIsWrittenFirst) {
+  const auto expect_refused = [&](const std::string& stranger) {
+    const ChildResult result = run({});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_THAT(result.err, AllOf(HasSubstr(out_.string() + ".part: expected a free name"),
+                                  HasSubstr("got " + stranger + ", which no export has written"),
+                                  HasSubstr("move or delete it, or export to another name")));
+    EXPECT_FALSE(fs::exists(out_));
+    EXPECT_TRUE(fs::exists(out_.string() + ".part"));
+  };
+  temporary_.write("out.part", "a file");
+  expect_refused("out.part");
+  fs::remove(out_.string() + ".part");
+  temporary_.write("out.part/mine.txt", "mine");
+  expect_refused("mine.txt");
+  for (const auto& [name, bytes] : make(ExportFormat::kCsv)) temporary_.write("out.part/" + name, bytes);
+  expect_refused("mine.txt");
+  fs::remove(out_.string() + ".part/mine.txt");
+  temporary_.write("out.part/export.json", R"({"schema": "another"})");
+  expect_refused("export.json");
+  EXPECT_EQ(RawDatabase(folder_.responses()).value("SELECT count(*) FROM export"), "0");
 }
 
 TEST_F(Export, IsForItsOwnersEyesAlone) {

@@ -147,15 +147,15 @@ TEST_F(OpenSessionTest, SaysWhichTrialALogLacks) {
 }
 
 TEST_F(OpenSessionTest, GoesOnWithTheParticipantsUnfinishedSession) {
-  const OpenSession begun = open("P1");
+  const SessionRow begun = open("P1").row;
   open("P2");
-  log_.append_answer(begun.row.id, {0, Side::kLeft, 5}, 1, 9);
+  log_.append_answer(begun.id, {0, Side::kLeft, 5}, 1, 9);
   SessionRequest request = request_of("P1");
   request.seed = 99;
   request.screen.monitor = "DP-2";
   const OpenSession resumed = open_session(folder_, log_, request);
   EXPECT_TRUE(resumed.resumed);
-  EXPECT_EQ(resumed.row.id, begun.row.id);
+  EXPECT_EQ(resumed.row.id, begun.id);
   EXPECT_EQ(resumed.row.seed, 77u);
   EXPECT_EQ(resumed.session.current, 1);
   EXPECT_EQ(resumed.session.trials[0].answer, std::optional(Side::kLeft));
@@ -163,6 +163,25 @@ TEST_F(OpenSessionTest, GoesOnWithTheParticipantsUnfinishedSession) {
   const auto events = load_events(folder_.responses());
   EXPECT_EQ(events.back().at(2), "resume");
   EXPECT_THAT(events.back().at(4), HasSubstr("DP-2"));
+}
+
+// Two windows would answer the same trials by turns.
+TEST_F(OpenSessionTest, RefusesASessionThatAnotherWindowRuns) {
+  const SessionRequest request = request_of("P1");
+  {
+    const OpenSession running = open("P1");
+    const auto names_it =
+        AllOf(HasSubstr(folder_.responses().string()),
+              HasSubstr("session 1 of P1, artifact experiment, which runs in another window"));
+    expect_refused(names_it);
+    EXPECT_EQ(load_events(folder_.responses()).size(), 0u) << "not even a resume";
+    const SessionInputs inputs = load_session_inputs(folder_, &log_, request);
+    EXPECT_THAT([&] { check_not_running(inputs, log_, request); }, ThrowsMessage<InputError>(names_it));
+    EXPECT_NO_THROW(check_not_running(inputs, log_, request_of("P2")));
+    EXPECT_EQ(open("P2").row.subject_index, 1) << "others may sit in other windows";
+    EXPECT_EQ(TrialLog::load_snapshot(folder_.responses()).load_sessions().size(), 2u);
+  }
+  EXPECT_TRUE(open("P1").resumed);
 }
 
 TEST_F(OpenSessionTest, RecordsWhatIsMeasuredAnewWhereItGoesOn) {
@@ -175,9 +194,9 @@ TEST_F(OpenSessionTest, RecordsWhatIsMeasuredAnewWhereItGoesOn) {
 }
 
 TEST_F(OpenSessionTest, FinishesASessionThatWasKilledAfterItsLastAnswer) {
-  const OpenSession begun = open("P1");
-  for (const TrialRow& trial : begun.session.trials) {
-    log_.append_answer(begun.row.id, {trial.number, Side::kLeft, 5}, std::nullopt, 9);
+  const std::int64_t begun = open("P1").row.id;
+  for (const TrialRow& trial : log_.load_trials(begun)) {
+    log_.append_answer(begun, {trial.number, Side::kLeft, 5}, std::nullopt, 9);
   }
   OpenSession resumed = open("P1");
   for (const SessionEffect& effect : advance(resumed.session, ContinueEvent{3})) {
@@ -397,6 +416,41 @@ TEST_F(OpenSessionByProtocol, LetsASessionGoOnForSoLong) {
   request.now_utc = in_days(2);
   EXPECT_THAT([&] { open_session(folder_, log_, request); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours"), HasSubstr("48.0 hours ago"))));
+}
+
+// A clock that is behind would call every session fresh.
+TEST_F(OpenSessionByProtocol, DoubtsTheAgeOfASessionWhereTheClockIsBehindTheLog) {
+  save_protocol(R"("resume": {"within_hours": 24})");
+  open("P1");
+  open("P2");
+  RawDatabase(folder_.responses()).query("UPDATE session SET started_utc = '2026-06-01T12:00:00.000Z'");
+  RawDatabase(folder_.responses())
+      .query("UPDATE session SET started_utc = '2026-06-02T00:00:00.000Z' WHERE id = 2");
+  SessionRequest request = request_of("P1");
+  const auto expect_doubt = [&](const std::string& now, const char* later) {
+    request.now_utc = now;
+    EXPECT_THAT(
+        [&] { open_session(folder_, log_, request); },
+        ThrowsMessage<InputError>(AllOf(HasSubstr("at most 24 hours ago"), HasSubstr("of unknown age"),
+                                        HasSubstr("clock says " + now), HasSubstr(later))));
+  };
+  expect_doubt("2026-06-01T11:00:00.000Z", "13.0 hours later");
+  expect_doubt("2026-06-01T13:00:00.000Z", "11.0 hours later");  // after it, but before the other's
+  request.accepts_clock = true;
+  EXPECT_TRUE(open_session(folder_, log_, request).resumed);
+  EXPECT_THAT(load_events(folder_.responses()).back().at(4), HasSubstr("\"clock_behind_hours\":\"11.00\""));
+  request.now_utc = "2026-06-02T13:00:00.000Z";
+  EXPECT_THAT([&] { open_session(folder_, log_, request); },
+              ThrowsMessage<InputError>(HasSubstr("25.0 hours ago")))
+      << "too old by any clock";
+}
+
+TEST_F(OpenSessionByProtocol, KeepsThatTheClockWasBehindWhenASessionBegan) {
+  open("P1");
+  EXPECT_EQ(log_.load_sessions().at(0).fields.count("clock_behind_hours"), 0u);
+  RawDatabase(folder_.responses()).query("UPDATE session SET started_utc = '9999-06-01T12:00:00.000Z'");
+  open("P2");
+  EXPECT_EQ(log_.load_sessions().at(1).fields.count("clock_behind_hours"), 1u);
 }
 
 // Nobody waits for a planted subject: its sessions go on whenever the program runs again.

@@ -225,6 +225,17 @@ TEST_F(Withdraw, NamesExportsWhetherTheyAreThereOrNot) {
                     HasSubstr("that equilux-analyze made elsewhere")));
 }
 
+TEST_F(Withdraw, NamesWhatAnExportThatWasKilledHasLeft) {
+  make_log(2);
+  const TemporaryFolder made;
+  TrialLog(path_).append_export((made.path() / "answers").string());
+  const std::string left = (made.path() / "answers.part").string();
+  EXPECT_THAT(format_withdrawal(plan_withdrawal(path_, kCode)), Not(HasSubstr(left)));
+  fs::create_directory(left);
+  EXPECT_THAT(format_withdrawal(plan_withdrawal(path_, kCode)),
+              HasSubstr("  " + left + ", which an export that was broken off left there\n"));
+}
+
 TEST_F(Withdraw, OfACodeThatNobodyHasIsAnError) {
   make_log(1);
   EXPECT_THAT(message_of<InputError>([&] { plan_withdrawal(path_, "P9"); }), HasSubstr("got P9"));
