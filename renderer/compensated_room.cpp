@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "renderer/lightcut.h"
+#include "renderer/room_format.h"
 #include "renderer/room_sets.h"
 #include "renderer/vpl.h"
 #include "renderer/vpl_sets.h"
@@ -163,21 +164,37 @@ double count_room_work(const Primary& primary, const RoomPlan& plan) {
 
 std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, const RoomPlan& plan,
                                                      const ReferenceParams& params,
-                                                     const FamilyProgress& progress) {
+                                                     const FamilyProgress& progress,
+                                                     const RoomStages& stages) {
   const auto& [world, materials, primary] = scene;
   const HdrImage coverage = make_coverage(primary);
   const std::string& name = params.background_stream_name;
-  const TracedLayer direct = trace_direct(world, primary, plan.direct, params, "", progress);
-  const auto returned =
-      compensate(scene, plan.compensation, {clamp_per_m2(plan.sets.clamp_level)}, params, "", progress);
+  const auto skip = [&](const PathMap& map) {
+    return [&] { progress.expect_more(-count_room_paths(primary, map)); };
+  };
+  const TracedLayer direct = stages.keep<TracedLayer>(
+      "direct", [&] { return trace_direct(world, primary, plan.direct, params, "", progress); },
+      skip(plan.direct));
+  const auto returned = stages.keep_each<TracedLayer>(
+      "compensation",
+      [&] {
+        return compensate(scene, plan.compensation, {clamp_per_m2(plan.sets.clamp_level)}, params, "",
+                          progress);
+      },
+      skip(plan.compensation));
   const auto check_share = static_cast<std::uint32_t>(round_paths(kCheckPaths, primary.positions) /
                                                       (kBatches * primary.positions));
   const PathMap checked = make_sparse_map(coverage, find_stride(coverage, kCheckedPixels), check_share);
   progress.expect_more(count_room_paths(primary, checked));
-  const auto traced =
-      trace_backgrounds(world, materials, primary,
-                        {make_background_key(params.seed, name + ".check"), checked, params.measures},
-                        name + ".check", progress.advance);
+  const auto traced = stages.keep_each<TracedLayer>(
+      "check",
+      [&] {
+        return trace_backgrounds(
+            world, materials, primary,
+            {make_background_key(params.seed, name + ".check"), checked, params.measures}, name + ".check",
+            progress.advance);
+      },
+      skip(checked));
   const std::vector<int> regions = find_regions(make_whole_room(coverage), checked);
   const RoomSetsParams sets_params{plan.sets.sets,
                                    find_path_count(world, plan.sets.vpls, params.seed),
@@ -188,11 +205,16 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
                                    name,
                                    plan.sets.light,
                                    regions};
-  std::vector<RoomSets> sets;
-  with_vpl_memory(plan.sets.vpls, [&] {
-    sets =
-        trace_room_sets(scene, sets_params, [&] { progress.advance(plan.sets.sets_cost / plan.sets.sets); });
-  });
+  const auto trace_sets = [&] {
+    std::vector<RoomSets> made;
+    with_vpl_memory(plan.sets.vpls, [&] {
+      made = trace_room_sets(scene, sets_params,
+                             [&] { progress.advance(plan.sets.sets_cost / plan.sets.sets); });
+    });
+    return made;
+  };
+  std::vector<RoomSets> sets =
+      stages.keep_each<RoomSets>("sets", trace_sets, [&] { progress.expect_more(-plan.sets.sets_cost); });
   std::vector<CompensatedRoom> rooms;
   for (std::size_t i = 0; i < materials.size(); ++i) {
     TracedLayer beside = direct;

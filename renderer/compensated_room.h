@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "renderer/reference_params.h"
+#include "renderer/room_stages.h"
 #include "renderer/set_measures.h"
 #include "renderer/set_plan.h"
 
@@ -36,10 +37,12 @@ struct CompensatedRoom {
   SetMeasures measures;
 };
 
-/// Unbiased, by material; each as by itself, bit for bit. errors: as plan_compensated_room
+/// Unbiased, by material; each as by itself, bit for bit. What is made of it is kept in `stages`: direct
+/// light, compensation, the check, the sets. errors: as plan_compensated_room
 std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, const RoomPlan& plan,
                                                      const ReferenceParams& params,
-                                                     const FamilyProgress& progress);
+                                                     const FamilyProgress& progress,
+                                                     const RoomStages& stages = {});
 
 /// Work of it, counted once for several materials. units: paths
 double count_room_work(const Primary& primary, const RoomPlan& plan);

@@ -1,8 +1,6 @@
 // From the layers of a family to its pictures.
 #pragma once
 
-#include <string>
-
 #include "renderer/layer_store.h"
 #include "renderer/tone.h"
 
@@ -13,7 +11,6 @@ struct LoadedFamily {
   HdrImage background, coverage, direct, indirect, standard_error, base;
   ToneCurve tone;
   DisplayNoise noise;
-  std::string digests;  ///< of what every picture of the family is made from
 };
 
 /// errors: InputError for a layer that is missing or damaged
@@ -21,10 +18,6 @@ LoadedFamily load_family(const Study& study, const LayerStore& store, const Fami
 
 /// The object's indirect light of a VPL picture, normalised where the condition is. errors: as load_family
 HdrImage load_vpl_layer(const LayerStore& store, Condition condition);
-
-/// What pictures are made from: their made_from in the manifest.
-std::string digest_reference(const LoadedFamily& family);
-std::string digest_picture(const LoadedFamily& family, const LayerStore& store, const Condition& condition);
 
 /// The picture of a family with this indirect light.
 LdrImage compose_picture(const LoadedFamily& family, const HdrImage& indirect);

@@ -36,6 +36,8 @@ class LayerStore {
   /// the file system has them. False where there is none. errors: StoreError
   bool adopt(const std::string& name, const std::string& recipe, LayerStore& from);
 
+  const StudyFolder& folder() const { return folder_; }
+
   /// Layers recorded here, by name.
   const std::map<std::string, LayerRecord>& records() const { return layers_.by_name; }
 

@@ -6,9 +6,6 @@
 
 namespace equilux {
 
-/// Raised whenever pictures by the local operator change.
-inline constexpr int kLocalToneVersion = 1;
-
 /// Eight centres with surrounds 1.6 times as wide, which are the next centres: nine Gaussians of 1 to 43
 /// pixels. source: Reinhard, Stark, Shirley, Ferwerda, "Photographic tone reproduction for digital images",
 /// SIGGRAPH 2002, section 3.2

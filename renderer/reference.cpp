@@ -5,6 +5,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "renderer/room_format.h"
+
 namespace equilux {
 namespace {
 
@@ -174,14 +176,6 @@ bool is_by_sets(const World& world, const ReferenceParams& params) {
   return !params.fixed && params.method == ReferenceMethod::kCompensated && world.objects().size() == 1;
 }
 
-// Layers of which one is black where the other is not.
-void add_elsewhere(const TracedLayer& from, TracedLayer& to) {
-  for (std::size_t i = 0; i < to.mean.values.size(); ++i) {
-    to.mean.values[i] += from.mean.values[i];
-    to.standard_error.values[i] += from.standard_error.values[i];
-  }
-}
-
 // Scales the room's paths to what they are seen to do.
 void look_again(const World& world, const Primary& primary, const TracedLayers& pilot,
                 const HdrImage& coverage, const ReferenceParams& params, const FamilyProgress& progress,
@@ -216,11 +210,9 @@ std::size_t find_room_stride(const World& world, const HdrImage& coverage, const
   return is_by_sets(world, params) && static_cast<double>(room) >= kLargeRoom ? 2 : 1;
 }
 
-}  // namespace
-
-BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
-                               const FamilyProgress& progress) {
-  if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background};
+// By pilots.
+BackgroundPlan foresee_background(const World& world, const Primary& primary, const ReferenceParams& params,
+                                  const FamilyProgress& progress) {
   const PathMaps few = make_pilot_maps(primary);
   const HdrImage coverage = make_coverage(primary);
   const std::size_t stride = find_room_stride(world, coverage, params);
@@ -250,27 +242,21 @@ BackgroundPlan plan_background(const World& world, const Primary& primary, const
       map[i] = 0;
     }
   }
-  progress.expect_more(count_room_paths(primary, map) + (by_sets ? count_room_work(primary, *by_sets) : 0) -
-                       guess_background_paths(params, primary));
   return {std::move(map), std::move(by_sets), few.background, std::move(pilot.background)};
 }
 
-std::vector<Background> trace_planned_backgrounds(const RoomScene& scene, const BackgroundPlan& plan,
-                                                  const ReferenceParams& params,
-                                                  const FamilyProgress& progress) {
-  const BatchJob job{make_background_key(params.seed, params.background_stream_name), plan.map,
-                     params.measures};
-  std::vector<Background> backgrounds;
-  for (TracedLayer& layer : trace_backgrounds(scene.world, scene.materials, scene.primary, job,
-                                              params.background_stream_name, progress.advance))
-    backgrounds.push_back({std::move(layer)});
-  if (!plan.by_sets) return backgrounds;
-  std::vector<CompensatedRoom> rooms = trace_compensated_rooms(scene, *plan.by_sets, params, progress);
-  for (std::size_t i = 0; i < rooms.size(); ++i) {
-    add_elsewhere(rooms[i].layer, backgrounds[i].layer);
-    backgrounds[i].sets = std::move(rooms[i].measures);
-  }
-  return backgrounds;
+}  // namespace
+
+BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
+                               const FamilyProgress& progress, const RoomStages& stages) {
+  if (params.fixed) return {make_fixed_maps(primary, *params.fixed).background};
+  BackgroundPlan plan = stages.keep<BackgroundPlan>(
+      "plan", [&] { return foresee_background(world, primary, params, progress); },
+      [&] { progress.expect_more(-count_paths(primary, make_pilot_maps(primary))); });
+  progress.expect_more(count_room_paths(primary, plan.map) +
+                       (plan.by_sets ? count_room_work(primary, *plan.by_sets) : 0) -
+                       guess_background_paths(params, primary));
+  return plan;
 }
 
 namespace {

@@ -41,7 +41,7 @@ struct BackgroundPlan {
 
 /// errors: as trace_layers
 BackgroundPlan plan_background(const World& world, const Primary& primary, const ReferenceParams& params,
-                               const FamilyProgress& progress);
+                               const FamilyProgress& progress, const RoomStages& stages = {});
 
 /// Beside an object of one material.
 struct Background {
@@ -49,10 +49,12 @@ struct Background {
   std::optional<SetMeasures> sets = {};
 };
 
-/// The room beside the object in several materials. errors: as trace_layers
+/// The room beside the object in several materials: paths in eight parts where `stages` are kept, and what
+/// trace_compensated_rooms keeps. The same bits whatever of it is kept. errors: as trace_layers
 std::vector<Background> trace_planned_backgrounds(const RoomScene& scene, const BackgroundPlan& plan,
                                                   const ReferenceParams& params,
-                                                  const FamilyProgress& progress);
+                                                  const FamilyProgress& progress,
+                                                  const RoomStages& stages = {});
 
 /// The paths of the object's pixels, fixed or by pilots for the target; none of the room. errors: as
 /// trace_layers

@@ -126,6 +126,21 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
   ++job.counts.references;
 }
 
+// A room that is made in seconds costs more to keep than to make again. units: paths
+constexpr double kWorthKeeping = 4e5;
+
+// What an interrupted run made of this room.
+RoomStages open_stages(const GroupJob& job, const Primary& primary, const ReferenceParams& params,
+                       const std::vector<Family>& families) {
+  if (estimate_background_paths(params, primary) < kWorthKeeping) return {};
+  std::vector<RoomMember> members;
+  for (const Family& family : families)
+    members.push_back({format_key(family), digest_family_recipe(job.recipes, family)});
+  return {job.store.folder().rooms() / name_background_stream(families.front()),
+          std::move(members),
+          {job.study.width, job.study.height}};
+}
+
 // Of one view: their backgrounds from the same paths, then each object.
 void render_families(const GroupJob& job, const Primary& primary, const std::vector<Family>& families) {
   if (families.empty()) return;
@@ -134,14 +149,15 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
   std::vector<Materials> materials;
   for (const Family& family : families) materials.push_back(materials_of(job, family.object.material));
   const ReferenceParams params = make_reference_params(job.study, job.scene, families.front());
+  const RoomStages stages = open_stages(job, primary, params, families);
   BackgroundPlan plan;
   std::vector<Background> backgrounds;
   {
     const LoggedWork work(job, "backgrounds",
                           fmt::format("backgrounds {} of {}", name_background_stream(families[0]),
                                       count_materials(families.size())));
-    plan = plan_background(job.world, primary, params, progress);
-    backgrounds = trace_planned_backgrounds({job.world, materials, primary}, plan, params, progress);
+    plan = plan_background(job.world, primary, params, progress, stages);
+    backgrounds = trace_planned_backgrounds({job.world, materials, primary}, plan, params, progress, stages);
   }
   for (std::size_t i = 0; i < families.size(); ++i) {
     FamilyLayers layers;
@@ -152,6 +168,7 @@ void render_families(const GroupJob& job, const Primary& primary, const std::vec
     }
     save_family(job, primary, families[i], layers);
   }
+  stages.remove();
 }
 
 // VPL layers wanted: material -> clamp levels.

@@ -12,6 +12,7 @@
 #include "renderer/layer_store.h"
 #include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
+#include "renderer/room_stages.h"
 #include "renderer/set_pictures.h"
 #include "renderer/stopwatch.h"
 #include "renderer/timing.h"
@@ -171,6 +172,7 @@ class SetMaker {
       if (!params_.render) refuse_gaps(missing);
       render_missing(own, missing, store);
     }
+    if (params_.only == "*") remove_room_stages(own.rooms());
     store.save_record();
   }
 

@@ -16,6 +16,7 @@
 #include "renderer/picture_store.h"
 #include "renderer/record_check.h"
 #include "renderer/stopwatch.h"
+#include "stimuli/origin.h"
 
 namespace equilux {
 namespace {
@@ -108,13 +109,15 @@ Json tell_reference(const LayerStore& store, const Family& family) {
 std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const LayerStore& store,
                                          const Family& family, const std::vector<Condition>& conditions) {
   const Json reference = tell_reference(store, family);
-  std::vector<WantedPicture> pictures{{format_key(family),
-                                       {"", "", digest_reference(loaded), make_json(loaded.noise), reference},
-                                       [&] { return loaded.indirect; }}};
+  const ToneRecord& tone = loaded.tone.record;
+  std::vector<WantedPicture> pictures{
+      {format_key(family),
+       {"", "", digest_reference(store.records(), tone, family), make_json(loaded.noise), reference},
+       [&] { return loaded.indirect; }}};
   for (const Condition& condition : conditions) {
     const Json vpls = tell_vpls(store, vpl_layer_name(condition));
     pictures.push_back({format_key(condition),
-                        {"", "", digest_picture(loaded, store, condition), {}, {}, vpls},
+                        {"", "", digest_picture(store.records(), tone, condition), {}, {}, vpls},
                         [&] { return load_vpl_layer(store, condition); }});
   }
   return pictures;

@@ -34,6 +34,12 @@ void save_runs(const StudyFolder& folder, Json runs) {
   save_text(folder.timing(), format_json(json));
 }
 
+// Closed where it is no file.
+std::ofstream open_log(const StudyFolder& folder) {
+  const bool is_writable = is_file(folder.log()) || !path_exists(folder.log());
+  return is_writable ? std::ofstream(folder.log(), std::ios::app) : std::ofstream();
+}
+
 }  // namespace
 
 Json load_timing(const StudyFolder& folder) {
@@ -61,7 +67,7 @@ void join_timing(const StudyFolder& folder, const StudyFolder& share) {
   save_runs(folder, std::move(runs));
   if (!is_file(share.log())) return;  // there is none, or a pipe that would be waited for
   std::ifstream lines(share.log());
-  std::ofstream(folder.log(), std::ios::app) << lines.rdbuf();
+  open_log(folder) << lines.rdbuf();
 }
 
 std::optional<double> find_speed(const StudyFolder& folder) {
@@ -81,7 +87,7 @@ std::optional<double> find_speed(const StudyFolder& folder) {
   return speed;
 }
 
-WorkLog::WorkLog(const StudyFolder& folder) : file_(folder.log(), std::ios::app) {}
+WorkLog::WorkLog(const StudyFolder& folder) : file_(open_log(folder)) {}
 
 void WorkLog::add(const std::string& line) { file_ << format_utc_now() << " " << line << std::endl; }
 

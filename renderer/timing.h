@@ -35,7 +35,7 @@ std::optional<double> find_speed(const StudyFolder& folder);
 
 /// render.log: a line for each product as soon as it is whole, with its seconds and those of processors,
 /// which tell more where others share the machine. No digest covers it, and what cannot be written there is
-/// lost: a log stops no work.
+/// lost, nor is a pipe waited for: a log stops no work.
 class WorkLog {
  public:
   explicit WorkLog(const StudyFolder& folder);

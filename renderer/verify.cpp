@@ -226,32 +226,11 @@ std::vector<Finding> verify_recipes(const fs::path& study_path, const Study& stu
   return findings;
 }
 
-// What a manifest says of its study that is not so.
-std::vector<Finding> verify_head(const std::string& path, const Study& study, const Manifest& manifest) {
-  std::vector<Finding> findings;
-  const auto check = [&](bool good, const std::string& wrong) {
-    if (!good) findings.push_back({path, wrong});
-  };
-  check(manifest.study_name == study.name,
-        fmt::format("of the study \"{}\", where study.json has \"{}\"", manifest.study_name, study.name));
-  check(manifest.seed == study.seed,
-        fmt::format("seed {}, where the study has {}", manifest.seed, study.seed));
-  check(manifest.width == study.width && manifest.height == study.height,
-        fmt::format("pictures of {} x {} pixels, where the study has {} x {}", manifest.width,
-                    manifest.height, study.width, study.height));
-  if (manifest.noise_target)
-    check(*manifest.noise_target == study.noise_target, "another noise target than the study's");
-  return findings;
-}
-
 std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study) {
   if (!path_exists(folder.manifest()))
     return {{folder.manifest().string(), "not there: no pictures were made"}};
   const Manifest manifest = load_manifest(folder.manifest());
-  std::vector<Finding> findings = verify_head(folder.manifest().string(), study, manifest);
-  const auto more = verify_pictures(folder, study, manifest, list_pictures(study, manifest));
-  findings.insert(findings.end(), more.begin(), more.end());
-  return findings;
+  return verify_pictures(folder, study, manifest, list_pictures(study, manifest));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "renderer/local_tone.h"
+#include "stimuli/manifest.h"
 
 namespace equilux {
 namespace {
@@ -71,11 +71,6 @@ Wanted enumerate_wanted(const Study& study, const std::string& only) {
                      only);
   }
   return wanted;
-}
-
-std::string vpl_layer_name(Condition condition) {
-  condition.cell.normalised = false;
-  return format_key(condition);
 }
 
 std::set<int> needed_levels(const Condition& condition) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/study.h"
+#include "stimuli/layers.h"
 #include "stimuli/scene.h"
 
 namespace equilux {
@@ -20,13 +21,6 @@ struct Wanted {
 
 /// errors: InputError if the glob names nothing.
 Wanted enumerate_wanted(const Study& study, const std::string& only);
-
-/// Contents of a family's layers.
-inline constexpr const char* kFamilyContents[] = {"background", "coverage", "direct", "indirect",
-                                                  "standard_error"};
-
-/// Name of the layer of a VPL picture: the key of its condition, not normalised.
-std::string vpl_layer_name(Condition condition);
 
 /// Clamp levels whose layers these pictures need: their own, and C0 where they are normalised.
 std::set<int> needed_levels(const Condition& condition);

@@ -21,6 +21,11 @@ std::string layer_name(const Family& family, const std::string& content) {
   return format_key(family) + "." + content;
 }
 
+std::string vpl_layer_name(Condition condition) {
+  condition.cell.normalised = false;
+  return format_key(condition);
+}
+
 Layers load_layers(const std::filesystem::path& path) {
   const Json json = load_json(path, kLayersSchema, kLimits);
   Layers layers;

@@ -29,9 +29,16 @@ struct Layers {
   std::map<std::string, LayerRecord> by_name;
 };
 
+/// Contents of a family's layers.
+inline constexpr const char* kFamilyContents[] = {"background", "coverage", "direct", "indirect",
+                                                  "standard_error"};
+
 /// Names of a family's layers: those of the reference's key with what they hold, such as
 /// G1-MR-ind-ref-v0.background. A VPL layer has the name of its condition.
 std::string layer_name(const Family& family, const std::string& content);
+
+/// Name of the layer of a VPL picture: the key of its condition, not normalised.
+std::string vpl_layer_name(Condition condition);
 
 /// errors: InputError
 Layers load_layers(const std::filesystem::path& path);

@@ -23,6 +23,9 @@ struct PictureRecord {
   Json vpls = {};  ///< VPL pictures: count, method, its rule, cut sizes, rays, measured error; else null
 };
 
+/// Raised whenever pictures by the local operator change.
+inline constexpr int kLocalToneVersion = 1;
+
 /// The tone curve of a family, from its reference. units: those of the layers for log_average, white and
 /// delta.
 struct ToneRecord {

@@ -70,16 +70,12 @@ class FileAlone : public Assimp::DefaultIOSystem {
   std::string mesh_;
 };
 
-// Formats of triangles alone, whose numbers can be checked. Those of whole scenes nest and refer: assimp
-// follows a few bytes of theirs until stack or memory end.
-constexpr std::string_view kFormats[] = {"ply", "stl"};
-
-void forget_other_formats(Assimp::Importer& importer) {
+// The one format that the file is taken for: assimp looks for the beginning of a PLY in all of a file, and
+// those of whole scenes nest and refer, so that it follows a few bytes of theirs until stack or memory end.
+void forget_other_formats(Assimp::Importer& importer, std::string_view format) {
   std::vector<Assimp::BaseImporter*> others;
   for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
-    const std::string_view format = importer.GetImporterInfo(i)->mFileExtensions;
-    if (std::find(std::begin(kFormats), std::end(kFormats), format) == std::end(kFormats))
-      others.push_back(importer.GetImporter(i));
+    if (importer.GetImporterInfo(i)->mFileExtensions != format) others.push_back(importer.GetImporter(i));
   }
   for (Assimp::BaseImporter* other : others) {
     importer.UnregisterLoader(other);
@@ -95,12 +91,14 @@ void check_file(const std::filesystem::path& path) {
   if (const std::uintmax_t bytes = std::filesystem::file_size(path); bytes > kMaxFileBytes)
     throw InputError(path.string(), "", fmt::format("at most {} bytes", kMaxFileBytes),
                      fmt::format("{}", bytes));
-  check_ply(path);
 }
 
 TriangleMesh read_by_assimp(const std::filesystem::path& path, MeshRepairs& found) {
+  const bool is_ply = check_ply(path);
+  if (!is_ply && has_extension(path, ".ply"))
+    throw InputError(path.string(), "", "a PLY file, which begins with ply", "another beginning");
   Assimp::Importer importer;
-  forget_other_formats(importer);
+  forget_other_formats(importer, is_ply ? "ply" : "stl");
   importer.SetIOHandler(new FileAlone(path));  // which it deletes
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFile(path.string(), 0);
@@ -111,9 +109,8 @@ TriangleMesh read_by_assimp(const std::filesystem::path& path, MeshRepairs& foun
   }
   if (!scene) throw InputError(path.string(), "", "a mesh in OBJ, PLY or STL", importer.GetErrorString());
   TriangleMesh parts;
-  const bool with_normals = !has_extension(path, ".stl");
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)
-    append_mesh(parts, to_mesh(*scene->mMeshes[i], with_normals, found));
+    append_mesh(parts, to_mesh(*scene->mMeshes[i], is_ply, found));
   return parts;
 }
 

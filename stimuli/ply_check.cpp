@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <fmt/format.h>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -17,13 +18,45 @@ namespace {
 
 constexpr std::size_t kMaxHeaderBytes = 1 << 16;
 
+struct Type {
+  std::string_view name;
+  std::size_t bytes;
+  bool is_count;  ///< an integer; one of a byte with a sign would be taken for a huge number
+  std::int64_t least = 0, most = 0;  ///< of an integer
+  bool is_integer() const { return most > 0; }
+};
+constexpr Type kTypes[] = {{"char", 1, false, -128, 127},
+                           {"int8", 1, false, -128, 127},
+                           {"uchar", 1, true, 0, 255},
+                           {"uint8", 1, true, 0, 255},
+                           {"short", 2, true, -32768, 32767},
+                           {"int16", 2, true, -32768, 32767},
+                           {"ushort", 2, true, 0, 65535},
+                           {"uint16", 2, true, 0, 65535},
+                           {"int", 4, true, -2147483648, 2147483647},
+                           {"int32", 4, true, -2147483648, 2147483647},
+                           {"uint", 4, true, 0, 4294967295},
+                           {"uint32", 4, true, 0, 4294967295},
+                           {"float", 4, false},
+                           {"float32", 4, false},
+                           {"double", 8, false},
+                           {"float64", 8, false}};
+
+const Type* find_type(std::string_view name) {
+  const auto* found =
+      std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& type) { return type.name == name; });
+  return found == std::end(kTypes) ? nullptr : found;
+}
+
 struct Property {
-  bool is_list = false;
-  std::string_view count_type;  ///< of a list
-  std::size_t bytes = 0;        ///< of a value
+  std::string name;
+  const Type* type = nullptr;        ///< of a value
+  const Type* count_type = nullptr;  ///< of a list
+  bool is_list() const { return count_type != nullptr; }
 };
 
 struct Element {
+  std::string name;
   std::uint64_t count = 0;
   std::vector<Property> properties;
 };
@@ -107,21 +140,48 @@ class PlyLines {
   std::size_t number_ = 0, header_bytes_ = 0;
 };
 
-struct Type {
-  std::string_view name;
-  std::size_t bytes;
-  bool is_count;  ///< an integer; one of a byte with a sign would be taken for a huge number
-};
-constexpr Type kTypes[] = {
-    {"char", 1, false},  {"int8", 1, false},    {"uchar", 1, true},   {"uint8", 1, true},
-    {"short", 2, true},  {"int16", 2, true},    {"ushort", 2, true},  {"uint16", 2, true},
-    {"int", 4, true},    {"int32", 4, true},    {"uint", 4, true},    {"uint32", 4, true},
-    {"float", 4, false}, {"float32", 4, false}, {"double", 8, false}, {"float64", 8, false}};
+// assimp reads vertices and faces whatever stands before them, of an element twice the last, and of strips
+// the first triangle.
+void check_order(const Header& header, const PlyLines& lines) {
+  for (std::size_t i = 0; i < header.elements.size(); ++i) {
+    const std::string& name = header.elements[i].name;
+    const auto known = [&](const Element& other) { return other.name == name; };
+    if ((i == 0) != (name == "vertex"))
+      lines.refuse("vertex as the first element, once", fmt::format("the element {}", name.substr(0, 40)));
+    if (name == "tristrips") lines.refuse("surfaces as faces", "tristrips");
+    if (std::any_of(header.elements.begin(), header.elements.begin() + static_cast<std::ptrdiff_t>(i), known))
+      lines.refuse("each element once", name.substr(0, 40) + " again");
+  }
+}
 
-const Type* find_type(std::string_view name) {
-  const auto* found =
-      std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& type) { return type.name == name; });
-  return found == std::end(kTypes) ? nullptr : found;
+// The one property of a name; without it assimp takes zeros.
+const Property& find_property(const Element& element, std::initializer_list<std::string_view> names,
+                              const PlyLines& lines) {
+  const auto is_named = [&](const Property& property) {
+    return std::find(names.begin(), names.end(), property.name) != names.end();
+  };
+  const auto& properties = element.properties;
+  const auto found = std::find_if(properties.begin(), properties.end(), is_named);
+  if (found == properties.end() || std::count_if(properties.begin(), properties.end(), is_named) > 1)
+    lines.refuse(fmt::format("one property {} of {}", fmt::join(names, " or "), element.name),
+                 found == properties.end() ? "none" : "more");
+  return *found;
+}
+
+void check_shape(const Header& header, const PlyLines& lines) {
+  check_order(header, lines);
+  for (const Element& element : header.elements) {
+    if (element.name == "vertex") {
+      for (const char* axis : {"x", "y", "z"}) {
+        if (find_property(element, {axis}, lines).is_list())
+          lines.refuse(fmt::format("a number as {} of vertex", axis), "a list");
+      }
+    } else if (element.name == "face") {
+      const Property& corners = find_property(element, {"vertex_indices", "vertex_index"}, lines);
+      if (!corners.is_list() || !corners.type->is_integer())
+        lines.refuse("a list of integers as corners of face", std::string(corners.type->name));
+    }
+  }
 }
 
 bool is_format(std::string_view word) {
@@ -140,7 +200,7 @@ void add_property(Header& header, const std::vector<std::string_view>& words, co
                                                                        .substr(0, 40)));
   if (is_list && !header.is_text && !count->is_count)
     lines.refuse("lists that are counted in uchar, short, ushort, int or uint", std::string(count->name));
-  header.elements.back().properties.push_back({is_list, is_list ? count->name : "", value->bytes});
+  header.elements.back().properties.push_back({std::string(words.back()), value, count});
 }
 
 Header read_header(PlyLines& lines) {
@@ -160,7 +220,7 @@ Header read_header(PlyLines& lines) {
                      std::string(words[2].substr(0, 40)));
       }
       declared += *count;
-      header.elements.push_back({*count, {}});
+      header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (kind == "property") {
       add_property(header, words, lines);
     } else if (kind != "comment" && kind != "obj_info" &&
@@ -168,7 +228,24 @@ Header read_header(PlyLines& lines) {
       lines.refuse("ply, one format, then element, property, end_header; comment, obj_info", "another line");
     }
   }
+  check_shape(header, lines);
   return header;
+}
+
+// assimp takes the beginning of a word for the whole, leaves out what has no such beginning, and lets
+// integers overflow.
+void check_word(const Type& type, std::string_view word, const PlyLines& lines) {
+  const std::string_view digits =
+      word.starts_with('+') && word.size() > 1 && word[1] != '-' ? word.substr(1) : word;
+  const char* end = digits.data() + digits.size();
+  double number = 0;
+  std::int64_t whole = 0;
+  const auto read = type.is_integer() ? std::from_chars(digits.data(), end, whole)
+                                      : std::from_chars(digits.data(), end, number);
+  const bool is_read = read.ptr == end && (read.ec == std::errc() ||
+                                           (!type.is_integer() && read.ec == std::errc::result_out_of_range));
+  if (!is_read || (type.is_integer() && (whole < type.least || whole > type.most)))
+    lines.refuse(fmt::format("a value of type {}", type.name), fmt::format("\"{}\"", word.substr(0, 40)));
 }
 
 void check_line(const Element& element, const std::vector<std::string_view>& words, const PlyLines& lines) {
@@ -176,14 +253,15 @@ void check_line(const Element& element, const std::vector<std::string_view>& wor
   for (const Property& property : element.properties) {
     if (wanted >= words.size())
       lines.refuse("a line with all of an element's values", fmt::format("{} values", words.size()));
-    if (!property.is_list) {
+    std::uint64_t values = 1;
+    if (property.is_list()) {
+      const auto count = read_count(words[wanted]);
+      if (!count || *count >= words.size() - wanted)
+        lines.refuse("a list that is as long as it says", fmt::format("{} values", words.size()));
+      values = *count;
       ++wanted;
-      continue;
     }
-    const auto count = read_count(words[wanted]);
-    if (!count || *count >= words.size())
-      lines.refuse("a list that is as long as it says", fmt::format("{} values", words.size()));
-    wanted += 1 + *count;
+    for (; values > 0; --values) check_word(*property.type, words[wanted++], lines);
   }
   if (wanted != words.size()) lines.refuse(fmt::format("{} values", wanted), fmt::format("{}", words.size()));
 }
@@ -198,8 +276,8 @@ class PlyBytes {
     std::uint64_t bytes = 0;
     bool has_list = false;
     for (const Property& property : element.properties) {
-      bytes += property.bytes;
-      has_list |= property.is_list;
+      bytes += property.type->bytes;
+      has_list |= property.is_list();
     }
     index_ = 0;
     if (!has_list) {
@@ -212,10 +290,9 @@ class PlyBytes {
  private:
   void walk(const Element& element) {
     for (const Property& property : element.properties)
-      skip(property.is_list ? take_count(property.count_type) : 1, property.bytes);
+      skip(property.is_list() ? take_count(property.count_type->bytes) : 1, property.type->bytes);
   }
-  std::uint64_t take_count(std::string_view type) {
-    const std::size_t bytes = find_type(type)->bytes;
+  std::uint64_t take_count(std::size_t bytes) {
     std::uint64_t count = 0;
     for (std::size_t i = 0; i < bytes; ++i) {
       const int byte = left_ > 0 ? stream_.get() : std::ifstream::traits_type::eof();
@@ -243,18 +320,19 @@ class PlyBytes {
 
 }  // namespace
 
-void check_ply(const std::filesystem::path& path) {
+bool check_ply(const std::filesystem::path& path) {
   PlyLines lines(path);
-  if (!lines.begins_as_ply()) return;
+  if (!lines.begins_as_ply()) return false;
   const Header header = read_header(lines);
   if (!header.is_text) {
     PlyBytes body(path.string(), lines.stream(), lines.count_left(), header.is_big_endian);
     for (const Element& element : header.elements) body.walk_all(element);
-    return;
+    return true;
   }
   for (const Element& element : header.elements) {
     for (std::uint64_t i = 0; i < element.count; ++i) check_line(element, lines.next_of_body(), lines);
   }
+  return true;
 }
 
 }  // namespace equilux

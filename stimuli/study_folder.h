@@ -24,6 +24,7 @@ struct StudyFolder {
   }  ///< copied once, then a person's to edit; may be missing
   std::filesystem::path layer_folder() const { return root / "layers"; }  ///< EXR
   std::filesystem::path layers() const { return root / "layers.json"; }   ///< what was rendered
+  std::filesystem::path rooms() const { return root / "rooms"; }          ///< stages of one being made
   std::filesystem::path timing() const { return root / "timing.json"; }   ///< outside all digests
   std::filesystem::path log() const { return root / "render.log"; }       ///< outside all digests
   std::filesystem::path jobs() const { return root / "jobs"; }            ///< shares not yet gathered

@@ -62,10 +62,12 @@ std::vector<Finding> find_verdict(const StudyFolder& folder) {
   const std::int64_t count = get_count(json, "findings", path);
   const std::string manifest = get_text(json, "manifest", path), layers = get_text(json, "layers", path),
                     first = get_text(json, "first", path);
-  if (count == 0 || manifest != digest_if_there(folder.manifest()) ||
-      layers != digest_if_there(folder.layers()))
-    return {};
-  return {{"found by `equilux-render verify`, which is to be run again when it is mended", first}};
+  if (count == 0) return {};
+  const bool is_same =
+      manifest == digest_if_there(folder.manifest()) && layers == digest_if_there(folder.layers());
+  return {{is_same ? "found by `equilux-render verify`, which is to be run again when it is mended"
+                   : "found by `equilux-render verify`, which is to be run again: records were changed since",
+           first}};
 }
 
 }  // namespace equilux

@@ -15,8 +15,9 @@ void save_verdict(const StudyFolder& folder, const std::vector<Finding>& finding
 /// Before the folder is changed. errors: StoreError
 void remove_verdict(const StudyFolder& folder);
 
-/// What was found, as one finding: empty where nothing was, or where nothing was asked since manifest.json
-/// and layers.json became what they are. errors: InputError for a file that is damaged
+/// What was found, as one finding that tells whether manifest.json or layers.json were changed since; a
+/// record that was changed by hand is not verified by that. Empty where nothing was found. errors: InputError
+/// for a file that is damaged
 std::vector<Finding> find_verdict(const StudyFolder& folder);
 
 }  // namespace equilux

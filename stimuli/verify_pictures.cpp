@@ -1,11 +1,13 @@
 // Records against files.
 #include "stimuli/verify_pictures.h"
 
+#include <optional>
 #include <set>
 
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "stimuli/origin.h"
 #include "stimuli/png_file.h"
 
 namespace equilux {
@@ -30,8 +32,29 @@ std::string find_error_beyond(const PictureRecord& record, const NoiseTarget& ta
   return "";
 }
 
-std::string find_fault(const StudyFolder& folder, const Study& study, const Manifest& manifest,
-                       const std::string& key) {
+// The records that pictures are held to; a folder without layers may still be shown.
+struct Records {
+  const StudyFolder& folder;
+  const Study& study;
+  const Manifest& manifest;
+  std::optional<Layers> layers;
+};
+
+// Layers may have been made again since, for another scene or by another estimator.
+std::string find_other_origin(const Records& records, const std::string& key, const PictureRecord& picture) {
+  if (!records.layers) return "";
+  const LayerRecords& layers = records.layers->by_name;
+  const ToneRecord& tone = records.manifest.tones.at(family_key(key));
+  const bool is_reference = key == family_key(key);
+  const std::string meant = is_reference ? digest_reference(layers, tone, parse_family(key, "manifest"))
+                                         : digest_picture(layers, tone, parse_condition(key, "manifest"));
+  return picture.made_from == meant ? ""
+                                    : "not made from the layers of layers.json by its tone curve; "
+                                      "`equilux-render tonemap` makes it anew";
+}
+
+std::string find_fault(const Records& records, const std::string& key) {
+  const auto& [folder, study, manifest, layers] = records;
   const auto found = manifest.pictures.find(key);
   if (found == manifest.pictures.end()) return "no picture; `equilux-render set` makes what is missing";
   if (const std::string meant = "pictures/" + key + ".png"; found->second.file != meant)
@@ -44,17 +67,45 @@ std::string find_fault(const StudyFolder& folder, const Study& study, const Mani
     return fmt::format("{} x {} pixels, where the manifest has {} x {}", size.width, size.height,
                        manifest.width, manifest.height);
   if (!manifest.tones.contains(family_key(key))) return "no tone curve of " + family_key(key);
+  if (std::string other = find_other_origin(records, key, found->second); !other.empty()) return other;
   if (key == family_key(key) && !study.paths) return find_error_beyond(found->second, study.noise_target);
   return "";
 }
 
 // Where reading fails, that is what is found: the other pictures are still to be looked at.
-std::string find_any_fault(const StudyFolder& folder, const Study& study, const Manifest& manifest,
-                           const std::string& key) {
+std::string find_any_fault(const Records& records, const std::string& key) {
   try {
-    return find_fault(folder, study, manifest, key);
+    return find_fault(records, key);
   } catch (const InputError& error) {
     return error.what();
+  }
+}
+
+// What a manifest says of its study that is not so.
+std::vector<Finding> find_head_faults(const std::string& path, const Study& study, const Manifest& manifest) {
+  std::vector<Finding> findings;
+  const auto check = [&](bool good, const std::string& wrong) {
+    if (!good) findings.push_back({path, wrong});
+  };
+  check(manifest.study_name == study.name,
+        fmt::format("of the study \"{}\", where study.json has \"{}\"", manifest.study_name, study.name));
+  check(manifest.seed == study.seed,
+        fmt::format("seed {}, where the study has {}", manifest.seed, study.seed));
+  check(manifest.width == study.width && manifest.height == study.height,
+        fmt::format("pictures of {} x {} pixels, where the study has {} x {}", manifest.width,
+                    manifest.height, study.width, study.height));
+  if (manifest.noise_target)
+    check(*manifest.noise_target == study.noise_target, "another noise target than the study's");
+  return findings;
+}
+
+std::optional<Layers> load_layers_if_there(const StudyFolder& folder, std::vector<Finding>& findings) {
+  if (!path_exists(folder.layers())) return {};
+  try {
+    return load_layers(folder.layers());
+  } catch (const InputError& error) {
+    findings.push_back({folder.layers().string(), error.what()});
+    return {};
   }
 }
 
@@ -80,16 +131,14 @@ std::vector<std::string> list_pictures(const Study& study, const Manifest& manif
 
 std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& study, const Manifest& manifest,
                                      const std::vector<std::string>& keys) {
-  const auto check = [&](bool good, std::string wrong) {
-    return good ? std::vector<Finding>()
-                : std::vector<Finding>{{folder.manifest().string(), std::move(wrong)}};
-  };
-  auto findings = check(manifest.study_digest == study.digest, "of another study than study.json");
-  if (!findings.empty()) return findings;
+  if (manifest.study_digest != study.digest)
+    return {{folder.manifest().string(), "of another study than study.json"}};
+  std::vector<Finding> findings = find_head_faults(folder.manifest().string(), study, manifest);
+  const Records records{folder, study, manifest, load_layers_if_there(folder, findings)};
   const std::vector<std::string> all = enumerate_pictures(study);
   const std::set<std::string> known(all.begin(), all.end());
   for (const std::string& key : keys) {
-    std::string wrong = known.contains(key) ? find_any_fault(folder, study, manifest, key)
+    std::string wrong = known.contains(key) ? find_any_fault(records, key)
                                             : "recorded in the manifest, and no picture of the study";
     if (!wrong.empty()) findings.push_back({key, std::move(wrong)});
   }

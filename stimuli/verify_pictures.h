@@ -26,9 +26,10 @@ std::vector<std::string> enumerate_pictures(const Study& study);
 std::vector<std::string> list_pictures(const Study& study, const Manifest& manifest);
 
 /// Checks these pictures: recorded, as pictures/KEY.png; the file there, readable, of its digest and size; a
-/// tone curve of its family; a reference's standard error within the study's target, where it has one. A
-/// picture of another study is the manifest's finding, and so is a key that the study does not have. Reads
-/// every file.
+/// tone curve of its family; made by it from the layers that layers.json records, where there is one; a
+/// reference's standard error within the study's target, where it has one. A picture of another study is the
+/// manifest's finding, and so are another name, seed, size or target than the study's and a key that the
+/// study does not have. Reads every picture and no layer.
 std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& study, const Manifest& manifest,
                                      const std::vector<std::string>& keys);
 

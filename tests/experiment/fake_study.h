@@ -65,7 +65,9 @@ inline StudyFolder make_fake_study(const std::filesystem::path& root, const std:
   namespace fs = std::filesystem;
   const StudyFolder folder{root};
   make_folder(folder.picture_folder());
-  save_text(folder.study(), format_json(without_session(load_study(protocol_path(protocol)).source)));
+  Json json = without_session(load_study(protocol_path(protocol)).source);
+  json.set("image", Json().set("width", width).set("height", height));
+  save_text(folder.study(), format_json(json));
   fs::copy_file(protocol_path(protocol).replace_extension() / "windows.json", folder.windows());
   fs::copy_file(protocol_path(protocol).replace_extension() / "truth.json", folder.truth());
   const Study study = load_folder_study(folder);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "experiment/schedule.h"
+#include "stimuli/layers.h"
 #include "stimuli/verdict.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/experiment/fake_trials.h"
@@ -130,7 +131,9 @@ TEST_F(OpenSessionTest, RefusesAWithdrawnCodeAtTheDoor) {
 
 // A study that names a protocol has consent and practice in it.
 TEST_F(OpenSessionTest, RefusesAStudyWithoutTheSessionProtocolThatItNames) {
-  save_text(folder_.study(), format_json(load_study(protocol_path("pocket")).source));
+  Json study = load_study(protocol_path("pocket")).source;
+  study.set("image", Json().set("width", 4).set("height", 3));
+  save_text(folder_.study(), format_json(study));
   Manifest manifest = load_manifest(folder_.manifest());
   manifest.study_digest = load_folder_study(folder_).digest;
   save_manifest(manifest, folder_.manifest());
@@ -262,6 +265,19 @@ TEST_F(OpenSessionTest, RefusesAPictureOfAnotherSize) {
   manifest.pictures[key].digest = digest_file(folder_.root / manifest.pictures[key].file);
   save_manifest(manifest, folder_.manifest());
   expect_refused(HasSubstr("5 x 3 pixels, where the manifest has 4 x 3"));
+}
+
+TEST_F(OpenSessionTest, RefusesPicturesThatWereNotMadeFromTheLayersOnRecord) {
+  const Study study = load_folder_study(folder_);
+  save_layers({study.name, study.digest, study.seed, {}}, folder_.layers());
+  expect_refused(HasSubstr("not made from the layers of layers.json by its tone curve"));
+}
+
+TEST_F(OpenSessionTest, RefusesAManifestOfAnotherSeed) {
+  Manifest manifest = load_manifest(folder_.manifest());
+  manifest.seed += 1;
+  save_manifest(manifest, folder_.manifest());
+  expect_refused(AllOf(HasSubstr("manifest.json: seed "), HasSubstr(", where the study has ")));
 }
 
 TEST_F(OpenSessionTest, RefusesAReferenceThatMissesTheTarget) {

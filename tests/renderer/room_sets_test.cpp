@@ -1,16 +1,24 @@
 // The room by VPL sets and compensation: unbiased beside every material, as sure as it says, checked.
 #include "renderer/room_sets.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <limits>
 
+#include "base/digest.h"
+#include "base/files.h"
 #include "renderer/compensation.h"
 #include "renderer/parallel.h"
 #include "renderer/reference.h"
+#include "renderer/room_format.h"
 #include "renderer/vpl_sets.h"
 #include "tests/renderer/test_scene.h"
 #include "tests/support/statistics.h"
+#include "tests/support/temp_folder.h"
 
 namespace equilux {
 namespace {
@@ -227,6 +235,196 @@ TEST_F(CompensatedRooms, ThatMissTheirTargetAreMadeAgain) {
   ASSERT_TRUE(layers.room);
   EXPECT_GT(layers.room->sets, room[0].sets->sets);
   EXPECT_LE(find_noise(stage_, layers).outside_mean, kTarget);
+}
+
+// A room whose stages are kept, as runs come and go.
+class KeptRooms : public CompensatedRooms {
+ protected:
+  KeptRooms() {
+    for (const char* name : {"MS", "GS"})
+      members_.push_back({fmt::format("G0-{}-ind-ref-v0", name), digest_text(name)});
+  }
+
+  // Of the first so many materials: what is made of them, and by how many paths.
+  struct Run {
+    BackgroundPlan plan;
+    std::vector<Background> rooms;
+    double paths = 0;
+  };
+  Run run(std::size_t materials = 2) const {
+    Run run;
+    std::atomic<double> paths = 0;
+    const FamilyProgress progress{[&](double done) { paths += done; }, [](double) {}};
+    const RoomStages stages(folder_ / "room", {members_.begin(), members_.begin() + materials}, {80, 60});
+    run.plan = plan_background(stage_.world, stage_.primary, params_, progress, stages);
+    const RoomScene scene{stage_.world, std::span(stage_.materials).first(materials), stage_.primary};
+    run.rooms = trace_planned_backgrounds(scene, run.plan, params_, progress, stages);
+    run.paths = paths;
+    return run;
+  }
+  std::vector<Background> trace_all() const {
+    const RoomScene scene{stage_.world, std::span(stage_.materials).first(members_.size()), stage_.primary};
+    return trace_planned_backgrounds(scene, plan_, params_, test::no_progress());
+  }
+  void expect_same(const Run& run, const std::vector<Background>& rooms) const {
+    EXPECT_EQ(run.plan.map, plan_.map);
+    EXPECT_EQ(run.plan.pilot.mean.values, plan_.pilot.mean.values);
+    ASSERT_EQ(run.plan.by_sets.has_value(), plan_.by_sets.has_value());
+    for (std::size_t i = 0; i < run.rooms.size(); ++i) {
+      EXPECT_EQ(run.rooms[i].layer.mean.values, rooms[i].layer.mean.values) << i;
+      EXPECT_EQ(run.rooms[i].layer.standard_error.values, rooms[i].layer.standard_error.values) << i;
+      ASSERT_EQ(run.rooms[i].sets.has_value(), rooms[i].sets.has_value());
+      if (!rooms[i].sets) continue;
+      EXPECT_EQ(run.rooms[i].sets->mean_vpls, rooms[i].sets->mean_vpls);
+      EXPECT_EQ(run.rooms[i].sets->compensation_paths, rooms[i].sets->compensation_paths);
+      EXPECT_EQ(run.rooms[i].sets->regions.back().z(), rooms[i].sets->regions.back().z());
+    }
+  }
+  std::vector<std::filesystem::path> list_stages() const {
+    std::vector<std::filesystem::path> stages;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "room"))
+      stages.push_back(entry.path());
+    std::sort(stages.begin(), stages.end());
+    return stages;
+  }
+  // As if a run had ended after all others; how many paths it takes to make what is not there.
+  double run_without(const std::string& stage, const std::vector<Background>& rooms) const {
+    std::filesystem::remove(folder_ / "room" / (stage + ".stage"));
+    const Run again = run();
+    expect_same(again, rooms);
+    return again.paths;
+  }
+
+  const TempFolder folder_;
+  std::vector<RoomMember> members_;
+};
+
+TEST_F(KeptRooms, AreTheSameAndMakeNoStageTwice) {
+  ASSERT_TRUE(plan_.by_sets);
+  const auto rooms = trace_all();
+  const Run first = run();
+  EXPECT_EQ(list_stages().size(), 2u + 4u * 2u) << "the plan, direct light; paths, compensation, check, sets";
+  expect_same(first, rooms);
+  const Run again = run();
+  EXPECT_EQ(again.paths, 0);
+  expect_same(again, rooms);
+  const Run fewer = run(1);
+  EXPECT_EQ(fewer.paths, 0) << "after the reference of one is whole";
+  expect_same(fewer, rooms);
+  for (const char* stage : {"direct", "check-G0-GS-ind-ref-v0"}) {
+    const double one = run_without(stage, rooms);
+    EXPECT_GT(one, 0) << stage;
+    EXPECT_LT(one, .5 * first.paths) << stage;
+  }
+}
+
+TEST_F(KeptRooms, OfPathsAloneAreMadeInParts) {
+  params_.method = ReferenceMethod::kPath;
+  params_.target.outside_mean = 6;
+  plan_ = plan_background(stage_.world, stage_.primary, params_, test::no_progress());
+  const auto rooms = trace_all();
+  const Run first = run();
+  EXPECT_EQ(list_stages().size(), 1u + 8u * 2u);
+  expect_same(first, rooms);
+  EXPECT_EQ(run().paths, 0);
+  const double part = run_without("paths-4-of-8-G0-GS-ind-ref-v0", rooms);
+  EXPECT_GT(part, 0);
+  EXPECT_LT(part, .25 * first.paths);
+}
+
+// Stages of nothing but a grey layer.
+class GreyStages : public testing::Test {
+ protected:
+  RoomStages open(std::vector<RoomMember> members) const {
+    return {folder_ / "rooms/room", std::move(members), {4, 3}};
+  }
+  // How many of the two stages, of all and of each, are made.
+  int count_made(const std::vector<RoomMember>& members) const {
+    int made = 0, skipped = 0;
+    const auto make = [&] {
+      ++made;
+      TracedLayer layer{HdrImage(4, 3), HdrImage(4, 3)};
+      layer.mean.values.assign(36, .5f);
+      return layer;
+    };
+    const RoomStages stages = open(members);
+    const auto skip = [&] { ++skipped; };
+    const TracedLayer shared = stages.keep<TracedLayer>("shared", make, skip);
+    const auto own = stages.keep_each<TracedLayer>(
+        "own", [&] { return std::vector(members.size(), make()); }, skip);
+    EXPECT_EQ(made + skipped, 2);
+    EXPECT_EQ(own.size(), members.size());
+    EXPECT_EQ(shared.mean.values, std::vector(36, .5f));
+    for (const TracedLayer& layer : own) EXPECT_EQ(layer.mean.values, shared.mean.values);
+    return made;
+  }
+
+  const TempFolder folder_;
+  const std::vector<RoomMember> members_{{"a", digest_text("a")}, {"b", digest_text("b")}};
+};
+
+TEST_F(GreyStages, AreTakenForTheSameReferencesOrFewerOfThem) {
+  EXPECT_EQ(count_made(members_), 2);
+  EXPECT_EQ(count_made(members_), 0);
+  EXPECT_EQ(count_made({members_[1]}), 0);
+  EXPECT_EQ(count_made({members_[0], {"c", digest_text("c")}}), 2) << "of one reference more";
+  EXPECT_EQ(count_made({{"a", digest_text("another")}}), 2) << "of another scene";
+}
+
+TEST_F(GreyStages, ThatAreDamagedOrAnothersAreMadeAgain) {
+  count_made(members_);
+  for (const char* stage : {"shared", "own-a"}) {
+    const auto path = folder_ / "rooms/room" / (std::string(stage) + ".stage");
+    const std::string whole = load_text(path);
+    std::string changed = whole, other = whole;
+    changed[whole.size() - 30] ^= 1;
+    other.replace(other.find(stage, 64), 1, "S");
+    for (const std::string& bytes :
+         {changed, whole.substr(0, whole.size() - 1), whole + "x", std::string(),
+          digest_text(other.substr(64)) + other.substr(64), load_text(folder_ / "rooms/room/own-b.stage")}) {
+      save_text(path, bytes);
+      EXPECT_EQ(count_made(members_), 1) << stage;
+    }
+  }
+}
+
+TEST_F(GreyStages, GoWithTheirFoldersUnlessSomebodysFilesAreThere) {
+  count_made(members_);
+  const auto note = folder_.write("rooms/room/note.txt", "somebody's");
+  open(members_).remove();
+  EXPECT_TRUE(std::filesystem::exists(note));
+  std::filesystem::remove(note);
+  count_made(members_);
+  remove_room_stages(folder_ / "rooms");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "rooms"));
+  EXPECT_EQ(count_made(members_), 2);
+  open(members_).remove();
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "rooms"));
+}
+
+// A digest can be had by anybody; what it is of must still be a room's.
+TEST(RoomStageBytes, ThatNoRoomCouldHaveAreRefused) {
+  const PixelSize size{4, 3};
+  StageWriter writer;
+  TracedLayer layer{HdrImage(4, 3), HdrImage(4, 3)};
+  layer.mean.values[7] = -0.0f;
+  layer.mean.values[20] = .5f;
+  writer.write(layer);
+  const std::string bytes = writer.take();
+  const auto parse = [&](std::string_view text, PixelSize pixels) {
+    return parse_stage<TracedLayer>(text, pixels, "test");
+  };
+  ASSERT_TRUE(parse(bytes, size));
+  EXPECT_EQ(std::memcmp(parse(bytes, size)->mean.values.data(), layer.mean.values.data(), 36 * 4), 0)
+      << "a zero keeps its sign";
+  EXPECT_FALSE(parse(bytes, PixelSize{3, 4}));
+  EXPECT_FALSE(parse(bytes + "x", size));
+  for (std::size_t cut = 0; cut < bytes.size(); ++cut) EXPECT_FALSE(parse(bytes.substr(0, cut), size)) << cut;
+  layer.mean.values[7] = std::numeric_limits<float>::quiet_NaN();
+  writer.write(layer);
+  EXPECT_FALSE(parse(writer.take(), size));
+  writer.write(BackgroundPlan{PathMap(12, 1U << 31), {}, {}, {}});
+  EXPECT_FALSE(parse_stage<BackgroundPlan>(writer.take(), size, "test")) << "paths without an end";
 }
 
 // What the standard error layer says is what two rooms differ by: over six of each.

@@ -7,6 +7,7 @@
 #include <future>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <thread>
 
 #include "base/digest.h"
@@ -292,6 +293,14 @@ TEST(Set, TellsSecondsOfProcessorsAndTheMostMemory) {
     EXPECT_THAT(line, testing::ContainsRegex(
                           "^20[-0-9T:.]+Z .+: [0-9]+[.][0-9]+ s, [0-9]+[.][0-9]+ s of processors$"));
   EXPECT_GT(lines, 4);
+}
+
+TEST(Set, ALogThatIsAPipeIsNotWaitedFor) {
+  const test::TinyStudy study;
+  fs::create_directories(study.folder() / "set");
+  ASSERT_EQ(::mkfifo((study.folder() / "set/render.log").c_str(), 0600), 0);
+  EXPECT_GT(render(study, "set", "G0-MS-ind-ref-v0").layers_rendered, 0u);
+  EXPECT_FALSE(fs::is_regular_file(study.folder() / "set/render.log"));
 }
 
 TEST(Set, ADamagedTimingFileIsSaidBeforeTheWork) {

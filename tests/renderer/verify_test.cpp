@@ -12,6 +12,7 @@
 #include "renderer/set.h"
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
+#include "stimuli/origin.h"
 #include "stimuli/png_file.h"
 #include "tests/renderer/tiny_study.h"
 #include "tests/support/failures.h"
@@ -67,7 +68,22 @@ class Verify : public testing::Test {
     save_exr(file.image, file.metadata, path);
     Layers layers = load_layers(folder_.layers());
     layers.by_name.at(name).digest = digest_file(path);
+    save_records(layers);
+  }
+
+  // As if pictures had been made from what the records say.
+  void save_records(const Layers& layers) const {
     save_layers(layers, folder_.layers());
+    change_manifest([&](Manifest& manifest) {
+      for (auto& [key, record] : manifest.pictures) {
+        const bool is_reference = key.find("-ref-") != std::string::npos;
+        const Family family =
+            is_reference ? parse_family(key, "test") : family_of(parse_condition(key, "test"));
+        const ToneRecord& tone = manifest.tones.at(format_key(family));
+        record.made_from = is_reference ? digest_reference(layers.by_name, tone, family)
+                                        : digest_picture(layers.by_name, tone, parse_condition(key, "test"));
+      }
+    });
   }
 
   static std::unique_ptr<test::TinyStudy> master_;  // rendered once
@@ -164,18 +180,21 @@ TEST_F(Verify, FindsALevelBrighterThanAWeakerClamp) {
 
 TEST_F(Verify, FindsAToneCurveOrAnErrorThatLayersDoNotGive) {
   change_manifest([](Manifest& manifest) { manifest.tones.at("G0-MS-ind-ref-v0").white *= 1.001; });
+  EXPECT_EQ(find().size(), 1u + 11u + 1u) << "of another curve than its pictures were made by, too";
+  save_records(load_layers(folder_.layers()));
   expect_only("G0-MS-ind-ref-v0: its tone curve in the manifest is not that of its layers");
   change_manifest([](Manifest& manifest) {
     manifest.tones.at("G0-MS-ind-ref-v0").white /= 1.001;
     manifest.pictures.at("G0-GS-dir-ref-v1").standard_error.set("object_mean", 0.125);
   });
+  save_records(load_layers(folder_.layers()));
   expect_only("G0-GS-dir-ref-v1: its object_mean in the manifest is 0.125");
 }
 
 TEST_F(Verify, FindsPicturesOfAnotherStudyAndLayersOfAnotherScene) {
   Layers layers = load_layers(folder_.layers());
   layers.by_name.at("G0-MS-ind-100-C3-v0").made_from = digest_text("another");
-  save_layers(layers, folder_.layers());
+  save_records(layers);
   expect_only("G0-MS-ind-100-C3-v0.exr: equilux_made_from: expected ");
   // With a file that says the same by the folder alone it cannot be told.
   LayerRecord& layer = layers.by_name.at("G0-MS-ind-100-C3-v0");
@@ -183,7 +202,7 @@ TEST_F(Verify, FindsPicturesOfAnotherStudyAndLayersOfAnotherScene) {
   file.metadata["equilux_made_from"] = layer.made_from;
   save_exr(file.image, file.metadata, folder_.root / layer.file);
   layer.digest = digest_file(folder_.root / layer.file);
-  save_layers(layers, folder_.layers());
+  save_records(layers);
   EXPECT_EQ(find(), std::vector<std::string>());
   const auto lines = find(study_.path());
   ASSERT_EQ(lines.size(), 1u);
@@ -200,7 +219,7 @@ TEST_F(Verify, FindsALayerOfOtherChannelsAndAPictureOfAnotherSize) {
   LayerRecord& layer = layers.by_name.at("G0-MS-ind-100-C3-v0");
   layer.file = layers.by_name.at("G0-MS-ind-ref-v0.coverage").file;
   layer.digest = layers.by_name.at("G0-MS-ind-ref-v0.coverage").digest;
-  save_layers(layers, folder_.layers());
+  save_records(layers);
   expect_only("G0-MS-ind-100-C3-v0: ");
   for (const std::string key : {"G0-MS-ind-ref-v0", "G0-MS-ind-100-C4-v0"}) {
     save_png(LdrImage(1, 1), folder_.root / "pictures" / (key + ".png"));
@@ -222,7 +241,7 @@ TEST_F(Verify, FindsLayersThatStandForOneAnother) {
     Layers layers = before;
     std::swap(layers.by_name.at(one).file, layers.by_name.at(other).file);
     std::swap(layers.by_name.at(one).digest, layers.by_name.at(other).digest);
-    save_layers(layers, folder_.layers());
+    save_records(layers);
     const auto lines = find();
     ASSERT_EQ(lines.size(), 2u) << testing::PrintToString(lines);
     for (const std::string& line : lines) EXPECT_THAT(line, HasSubstr("equilux_key: expected ")) << one;
@@ -296,7 +315,7 @@ TEST_F(Verify, FindsWhatTheRecordsSayAgainstTheirLayers) {
     row.set("path_traced", 1.0).set("path_traced_error", 0.1).set("z", z);
     check.push(std::move(row));
     reference.set("check", std::move(check));
-    save_layers(layers, folder_.layers());
+    save_records(layers);
   };
   set_check(-6.9);
   EXPECT_EQ(find(), std::vector<std::string>()) << "certified, and nearer than chance may be";

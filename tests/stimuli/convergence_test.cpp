@@ -53,6 +53,19 @@ TEST(ConvergenceFile, ComesBackAsItWas) {
   EXPECT_EQ(load_convergence(path), make_convergence());
 }
 
+// Of which an int would keep the lower half.
+TEST(ConvergenceFile, WithNumbersBeyondAnIntIsRefused) {
+  const TempFolder folder;
+  const auto path = folder.path() / "x.json";
+  for (const char* member : {"width", "height", "positions", "seeds", "threads"}) {
+    save_convergence(make_convergence(), path);
+    Json json = parse_json(load_text(path), "x");
+    json.set(member, std::int64_t{4294967298});
+    save_text(path, format_json(json));
+    EXPECT_THROW(load_convergence(path), InputError) << member;
+  }
+}
+
 TEST(ConvergenceFile, WithAdviceOfNoPointIsRefused) {
   const TempFolder folder;
   const auto path = folder.path() / "x.json";

@@ -148,6 +148,56 @@ TEST(MeshFiles, OfPlyWithCountsThatTheirBytesCannotKeepAreRefusedBeforeMemoryIsT
   }
 }
 
+TEST(MeshFiles, OfPlyWithWhatOtherProgramsAddGiveTheSameShape) {
+  const TempFolder folder;
+  const TriangleMesh expected = load_mesh(folder.write("a.ply", kPly));
+  const auto wider = [&](const std::string& properties, const std::string& values) {
+    std::string text = ply_with("property float z\n", "property float z\n" + properties);
+    for (const char* vertex : {"\n0 0 0", "\n1 0 0", "\n0 1 0", "\n0 0 1"})
+      text.replace(text.find(vertex), 6, vertex + values);
+    return text;
+  };
+  const std::string doubles = "property double x\nproperty float64 y\nproperty float32 z\n";
+  for (const std::string& text :
+       {wider("property uchar red\nproperty uchar green\nproperty uchar blue\n", " 255 0 +7"),
+        wider("property float confidence\nproperty double quality\n", " .5 nan"),
+        wider("property list uchar int neighbours\n", " 2 3 1"),
+        ply_with("property float x\nproperty float y\nproperty float z\n", doubles),
+        ply_with("vertex_indices", "vertex_index"), ply_with("uchar int", "int uint"),
+        ply_with("\n1 0 0\n0 1", "\n1. -0.0 0e5\n.0 +1E0"),
+        ply_with("end_header", "element edge 0\nproperty int vertex1\nend_header")}) {
+    const TriangleMesh mesh = load_mesh(folder.write("a.ply", text));
+    EXPECT_EQ(mesh.positions, expected.positions) << text;
+    EXPECT_EQ(mesh.triangles, expected.triangles) << text;
+  }
+}
+
+// Each of them has a shape, but another than would be read.
+TEST(MeshFiles, OfPlyThatWouldBeReadAsAnotherShapeAreRefused) {
+  const TempFolder folder;
+  const auto expect = [&](const std::string& text, const char* words) {
+    expect_refused(folder.write("a.ply", text), words);
+  };
+  for (const char* word : {"5.0", "1e0", "a", "-", "4294967298", "18446744073709551618", "-2147483649"})
+    expect(ply_with("3 1 2 3", std::string("3 1 2 ") + word), "line 17: expected a value of type int");
+  for (const char* word : {"1,5", "1.2.3", "1e5.5", "0x1", "1d0", "--1", "1e", "."})
+    expect(ply_with("\n1 0 0", std::string("\n") + word + " 0 0"), "line 11: expected a value of type float");
+  expect(ply_with("element vertex", "element camera 1\nproperty float x\nelement vertex"),
+         "line 11: expected vertex as the first element, once, got the element camera");
+  expect(ply_with("face", "vertex"), "expected vertex as the first element, once");
+  expect(ply_with("element face", "element edge 0\nproperty int a\nelement edge 0\nelement face"),
+         "expected each element once, got edge again");
+  expect(ply_with("face 4\nproperty list uchar int vertex_indices",
+                  "tristrips 1\nproperty list int int vertex_indices"),
+         "expected surfaces as faces, got tristrips");
+  expect(ply_with("float z", "float w"), "expected one property z of vertex, got none");
+  expect(ply_with("float z", "float x"), "expected one property x of vertex, got more");
+  expect(ply_with("vertex_indices", "corners"),
+         "expected one property vertex_indices or vertex_index of face");
+  expect(ply_with("uchar int", "uchar float"), "expected a list of integers as corners of face");
+  expect(ply_with("ply\n", "\xef\xbb\xbfply\n"), "expected a PLY file, which begins with ply");
+}
+
 TEST(MeshFiles, OfPlyMayHaveCommentsBlanksAndLineEndsOfWindows) {
   const TempFolder folder;
   std::string text = ply_with("element vertex", "comment by hand\nobj_info none\nelement vertex");

@@ -159,6 +159,49 @@ TEST_F(RenderDearSet, KilledAmongReferencesAndCutsGoesOnToTheSameBytes) {
   EXPECT_EQ(digest_products(disturbed_), whole);
 }
 
+// Two objects, whose room takes more than they do.
+class RenderRoom : public RenderSet {
+ protected:
+  RenderRoom() : RenderSet("compensated-room") {}
+
+  using Stages = std::map<fs::path, fs::file_time_type>;
+
+  Stages list_stages() const {
+    Stages stages;
+    for (const fs::path& file : list_files(disturbed_ / "rooms")) {
+      if (file.extension() == ".stage") stages[file] = fs::last_write_time(file);
+    }
+    return stages;
+  }
+  std::size_t count_stages() const { return count_files(disturbed_ / "rooms/G0-ind-v0"); }
+  /// Kills a run once so many stages are there; false if it was over before.
+  bool kill_at_stage(std::size_t stages) {
+    Child child(EQUILUX_BIN_DIR "/equilux-render", set_words(study_, disturbed_, 2));
+    while (count_stages() < stages && child.runs()) std::this_thread::yield();
+    child.kill();
+    return child.wait().signal == SIGKILL;
+  }
+};
+
+// After each few stages of the first room; a stage made again would be written again.
+TEST_F(RenderRoom, KilledAmongItsStagesMakesNoneOfThemAgainAndGoesOnToTheSameBytes) {
+  run_well("render", set_words(study_, undisturbed_, 2));
+  Stages held;
+  for (int kill = 0; kill < 3; ++kill) {
+    ASSERT_TRUE(kill_at_stage(held.size() + 2)) << "before the room was made";
+    ASSERT_THAT(find_damaged(disturbed_), IsEmpty());
+    const Stages now = list_stages();
+    EXPECT_GT(now.size(), held.size());
+    for (const auto& [file, written] : held) {
+      ASSERT_TRUE(now.contains(file)) << file;
+      EXPECT_EQ(now.at(file), written) << file << " was made again";
+    }
+    held = now;
+  }
+  run_well("render", set_words(study_, disturbed_, 3));
+  EXPECT_EQ(digest_products(disturbed_), digest_products(undisturbed_)) << "and no stage is left";
+}
+
 TEST_F(RenderSet, GivesTheSameBytesOnOneTwoAndThreeThreads) {
   run_well("render", set_words(study_, undisturbed_, 1));
   const auto whole = digest_products(undisturbed_);
