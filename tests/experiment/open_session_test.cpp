@@ -1,6 +1,7 @@
 // The door to a session: what it lets in, what it lets go on, and what it refuses.
 #include "experiment/open_session.h"
 
+#include <chrono>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -423,9 +424,14 @@ TEST_F(OpenSessionByProtocol, LetsASessionGoOnForSoLong) {
   SessionRequest request = request_of("P1");
   const std::string started = open_session(folder_, log_, request).row.started_utc;
   const auto in_days = [&](int days) {
-    std::string text = started;
-    text.replace(8, 2, fmt::format("{:02}", std::stoi(started.substr(8, 2)) + days));
-    return text;
+    using namespace std::chrono;
+    const auto number = [&](std::size_t at, std::size_t digits) {
+      return std::stoi(started.substr(at, digits));
+    };
+    const year_month_day date{sys_days{year{number(0, 4)} / number(5, 2) / number(8, 2)} +
+                              std::chrono::days{days}};
+    return fmt::format("{}-{:02}-{:02}{}", static_cast<int>(date.year()), static_cast<unsigned>(date.month()),
+                       static_cast<unsigned>(date.day()), started.substr(10));
   };
   request.now_utc = in_days(1);
   EXPECT_TRUE(open_session(folder_, log_, request).resumed);
