@@ -151,7 +151,11 @@ StudyFolder make_uneven_study(const std::filesystem::path& root, std::size_t byt
   constexpr int kWidth = 560, kHeight = 420;
   const StudyFolder folder = make_fake_study(root, "pocket", 4, 3);
   save_text(folder.session(), kProtocol);
+  Json json = load_folder_study(folder).source;
+  json.set("image", Json().set("width", kWidth).set("height", kHeight));
+  save_text(folder.study(), format_json(json));
   Manifest manifest = load_manifest(folder.manifest());
+  manifest.study_digest = load_folder_study(folder).digest;
   manifest.width = kWidth;
   manifest.height = kHeight;
   save_png(make_fake_picture("small", kWidth, kHeight), root / "small.png");

@@ -113,7 +113,8 @@ TEST_F(RenderSet, KilledLeavesWholeFilesAndASetThatGoesOnToTheSameBytes) {
   const auto all = static_cast<double>(whole.size());
   RandomStream random(51, "render kill", 0);
   int kills = 0, in_mid_set = 0;
-  for (int run = 0; (kills < kKills || in_mid_set < kKills / 2) && run < 40 * kKills; ++run) {
+  // Beside other work few runs are seen at the moment that is waited for: then it takes more of them.
+  for (int run = 0; (kills < kKills || in_mid_set < kKills / 2) && run < 200 * kKills; ++run) {
     const auto held = static_cast<double>(list_files(disturbed_).size());
     const auto files = static_cast<std::size_t>(held + random.next_double() * std::max(0.0, all - held));
     const bool killed = kill_at(files, random.next_double() * whole_run / all, 1 + run % 3);
