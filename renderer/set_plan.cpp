@@ -435,7 +435,7 @@ SetSubject make_object_subject(const Primary& primary) {
 }
 
 SetSubject make_room_subject(const Primary& primary, const HdrImage& coverage) {
-  SetSubject subject{HdrImage(primary.width, primary.height, 1)};
+  SetSubject subject{HdrImage(primary.width, primary.height, 1), {}, 0};
   for (std::size_t pixel = 0; pixel < coverage.pixel_count(); ++pixel) {
     double points = 0;
     for (int position = 0; position < primary.positions && coverage.values[pixel] == 0; ++position)

@@ -87,7 +87,9 @@ TEST(Browser, prints_what_is_folded_on_the_screen) {
   const std::string text = print_to_text(folder, page);
   for (const auto* cells : {&report.artifact_cells, &report.material_cells}) {
     for (const auto& [cell, statistics] : *cells) {
-      if (statistics.estimate) EXPECT_NE(text.find(format_key(cell)), std::string::npos) << format_key(cell);
+      if (statistics.estimate) {
+        EXPECT_NE(text.find(format_key(cell)), std::string::npos) << format_key(cell);
+      }
     }
   }
   for (const char* words : {"Each of the 8 columns", "Each of the 2 sessions", "planted-1-0", "planted-1-1",

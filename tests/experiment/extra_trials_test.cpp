@@ -118,7 +118,9 @@ TEST_P(ExtraTrials, ShowNothingThatIsCounted) {
     if (trial.phase == Phase::kMain) continue;
     EXPECT_FALSE(counted.contains(trial.test_key)) << trial.test_key;
     EXPECT_EQ(trial.cell.clamp_level, experiment_ == Experiment::kArtifact ? 1 : 9) << "the next best";
-    if (trial.cell.column.object == whole.object) EXPECT_GT(trial.cell.column.vpl_count, whole.vpl_count);
+    if (trial.cell.column.object == whole.object) {
+      EXPECT_GT(trial.cell.column.vpl_count, whole.vpl_count);
+    }
   }
   for (const std::string& key : enumerate_extra_keys(study_, protocol, experiment_, cells_))
     EXPECT_FALSE(counted.contains(key)) << key;
@@ -150,7 +152,9 @@ TEST_P(ExtraTrials, ShowOnlyWhatIsListedBeforehand) {
       if (trial.phase == Phase::kMain) continue;
       EXPECT_THAT(keys, Contains(trial.test_key));
       EXPECT_THAT(keys, Contains(trial.pair_key));
-      if (!trial.upper_key.empty()) EXPECT_THAT(keys, Contains(trial.upper_key));
+      if (!trial.upper_key.empty()) {
+        EXPECT_THAT(keys, Contains(trial.upper_key));
+      }
     }
   }
   for (const FamiliarPage& page : enumerate_familiar_pages(study_, protocol, experiment_, cells_))

@@ -233,7 +233,9 @@ TEST(LocalTone, ExtremesHaveADefinedAnswer) {
   const double plain = 255 * encode_srgb(.18 / 1.18);
   for (std::size_t i = 0; i < hot.pixel_count(); ++i) {
     const auto dx = static_cast<double>(i % 60) - 5, dy = static_cast<double>(i / 60) - 10;
-    if (std::hypot(dx, dy) > 4) EXPECT_NEAR(shown.values[3 * i], plain, 2) << i;
+    if (std::hypot(dx, dy) > 4) {
+      EXPECT_NEAR(shown.values[3 * i], plain, 2) << i;
+    }
   }
   EXPECT_NEAR(eval_display(make_tone_curve(faint, coverage, kLocal), 7, faint.pixel(7))[0], plain, .01);
 }

@@ -340,9 +340,12 @@ void expect_rendered_by_plan(const Scene& scene, const std::string& key, Emissio
   const Object& object = request.condition.cell.column.object;
   const Stage stage(scene, object.geometry, object.material, object.illumination);
   const TracedLayers layers = trace_stage(stage);
-  if (leaves_out("direct light of the object")) EXPECT_TRUE(is_black(layers.direct.mean)) << key;
-  if (!is_black(layers.direct.mean))
+  if (leaves_out("direct light of the object")) {
+    EXPECT_TRUE(is_black(layers.direct.mean)) << key;
+  }
+  if (!is_black(layers.direct.mean)) {
     EXPECT_EQ(is_black(layers.direct.standard_error), leaves_out("sampling of direct light")) << key;
+  }
   const VplList vpls = join_vpls(trace_vpls(stage.world, stage.materials, 5000, 1, "plan-test", emission));
   ASSERT_GT(vpls.size(), 0u) << key;
   EXPECT_EQ(vpls.gloss.empty(), leaves_out("emission directions of VPLs")) << key;
