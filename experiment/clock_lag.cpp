@@ -39,10 +39,8 @@ std::optional<ClockLag> find_clock_lag(const TrialLog& log, const std::string& n
 std::string describe_clock_lag(const ClockLag& lag) {
   return fmt::format(
       "This computer's clock says {}, but the log has something of {}, {} later: the clock was set back, or "
-      "was "
-      "ahead then. Set it right; how long ago a session was interrupted, and which one was the last, cannot "
-      "be "
-      "told by it.",
+      "was ahead then. Set it right; how long ago a session was interrupted, and which one was the last, "
+      "cannot be told by it.",
       lag.now_utc, lag.latest_utc, format_lag(lag.hours));
 }
 
