@@ -65,6 +65,20 @@ class ScreenAppTest : public AppTest {
     session.wait_for_trial(trials[static_cast<std::size_t>(answered)]);
     return trials;
   }
+
+  // From the pause that came while it was on the screen, to the end: it is shown again.
+  static void go_on_from_third_pair(XDisplay& display, WatchedSession& session, const StudyFolder& folder,
+                                    const std::vector<TrialRow>& trials) {
+    display.type_key("F1");
+    session.wait_for_trial(trials[2]);
+    ASSERT_FALSE(HasFatalFailure());
+    EXPECT_EQ(count_showings(folder, 2), 2);
+    answer_all(session, trials, 2, kSmallArtifactTrials);
+    session.wait_for_page("");
+    ASSERT_FALSE(HasFatalFailure());
+    display.type_key("Return");
+    EXPECT_EQ(session.program().wait(), 0);
+  }
 };
 
 // Too small for the pictures, then as large as it was.
@@ -87,15 +101,8 @@ TEST_F(ScreenAppTest, AWindowThatBecomesTooSmallPausesUntilItHasItsSizeAgain) {
   display.resize_windows(1280, 1024);
   session.wait_for_page("resized-back");
   ASSERT_FALSE(HasFatalFailure());
-  display.type_key("F1");
-  session.wait_for_trial(trials[2]);
+  go_on_from_third_pair(display, session, folder, trials);
   ASSERT_FALSE(HasFatalFailure());
-  EXPECT_EQ(count_showings(folder, 2), 2);
-  answer_all(session, trials, 2, kSmallArtifactTrials);
-  session.wait_for_page("");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  EXPECT_EQ(session.program().wait(), 0);
   EXPECT_THAT(session.program().read_output(), AllOf(HasSubstr("is complete"), HasSubstr("resized: 2")));
   EXPECT_THAT(load_changes(folder),
               ElementsAre("resized 560 x 400", "pause ", "resized 1280 x 1024", "continue "));
@@ -154,15 +161,8 @@ TEST_F(ScreenAppTest, AMonitorThatIsUnpluggedPausesUntilItIsBack) {
   display.plug_in_monitor();
   session.wait_for_page("monitor-back");
   ASSERT_FALSE(HasFatalFailure());
-  display.type_key("F1");
-  session.wait_for_trial(trials[2]);
+  go_on_from_third_pair(display, session, folder, trials);
   ASSERT_FALSE(HasFatalFailure());
-  EXPECT_EQ(count_showings(folder, 2), 2);
-  answer_all(session, trials, 2, kSmallArtifactTrials);
-  session.wait_for_page("");
-  ASSERT_FALSE(HasFatalFailure());
-  display.type_key("Return");
-  EXPECT_EQ(session.program().wait(), 0);
   EXPECT_THAT(session.program().read_output(),
               AllOf(HasSubstr("is complete"), HasSubstr("monitor_disconnected: 1")));
   EXPECT_EQ(load_monitor_events(folder), std::vector<std::string>({"monitor_disconnected screen", "pause ",
