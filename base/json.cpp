@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <locale>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -17,6 +18,7 @@
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/json_mismatch.h"
 
 namespace equilux {
 namespace {
@@ -37,20 +39,6 @@ void prepare_regex() {
     for (const char character : all) characters.narrow(character, '\0');
     return narrowed.back();
   }();
-}
-
-std::string escape_pointer(std::string_view token) {
-  std::string escaped;
-  for (char character : token) {
-    if (character == '~') {
-      escaped += "~0";
-    } else if (character == '/') {
-      escaped += "~1";
-    } else {
-      escaped += character;
-    }
-  }
-  return escaped;
 }
 
 // Builds the tree from parse events, because nlohmann's own tree keeps only the last of duplicate keys.
@@ -163,187 +151,129 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   Json root_;
 };
 
-nlohmann::ordered_json to_nlohmann(const Json& value) {
+// What every JSON library writes between quotes as it is.
+bool is_plain(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char character) {
+    return character >= ' ' && character <= '~' && character != '"' && character != '\\';
+  });
+}
+
+// Writes a value as nlohmann-json would, whose trees take ten times as long to make.
+class Writer {
+ public:
+  /// Without `indent` on one line, members sorted.
+  explicit Writer(std::optional<std::size_t> indent) : indent_(indent) {}
+
+  void add(const Json& value) {
+    if (value.is_array()) {
+      add_all(value.as_array(), '[', ']', [&](const Json& element) { add(element); });
+    } else if (!value.is_object()) {
+      add_scalar(value);
+    } else if (indent_) {
+      add_all(value.as_object(), '{', '}', [&](const auto& member) { add_member(member); });
+    } else {
+      add_all(sort_members(value.as_object()), '{', '}', [&](const auto* member) { add_member(*member); });
+    }
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  using Member = Json::Object::value_type;
+
+  static std::vector<const Member*> sort_members(const Json::Object& members) {
+    std::vector<const Member*> sorted;
+    for (const Member& member : members) sorted.push_back(&member);
+    std::sort(sorted.begin(), sorted.end(), [](const auto* a, const auto* b) { return a->first < b->first; });
+    return sorted;
+  }
+
+  void add_scalar(const Json& value) {
+    if (value.is_null()) {
+      text_ += "null";
+    } else if (value.is_bool()) {
+      text_ += value.as_bool() ? "true" : "false";
+    } else if (value.is_integer()) {
+      text_ += fmt::format_int(value.as_int()).c_str();
+    } else if (value.is_string()) {
+      add_string(value.as_string());
+    } else {
+      EQ_CHECK(std::isfinite(value.as_double()), value.as_double());
+      text_ += nlohmann::json(value.as_double()).dump();
+    }
+  }
+  void add_string(const std::string& value) {
+    if (is_plain(value)) {
+      text_.append(1, '"').append(value).append(1, '"');
+    } else {
+      text_ += nlohmann::json(value).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    }
+  }
+  void add_member(const Member& member) {
+    add_string(member.first);
+    text_ += indent_ ? ": " : ":";
+    add(member.second);
+  }
+  void add_all(const auto& values, char begin, char end, const auto& add_one) {
+    text_ += begin;
+    ++depth_;
+    const char* separator = "";
+    for (const auto& value : values) {
+      text_ += separator;
+      separator = ",";
+      begin_line();
+      add_one(value);
+    }
+    --depth_;
+    if (!values.empty()) begin_line();
+    text_ += end;
+  }
+  void begin_line() {
+    if (indent_) text_.append(1, '\n').append(depth_ * *indent_, ' ');
+  }
+
+  std::optional<std::size_t> indent_;
+  std::size_t depth_ = 0;
+  std::string text_;
+};
+
+std::string write(const Json& value, std::optional<std::size_t> indent) {
+  Writer writer(indent);
+  writer.add(value);
+  return writer.take();
+}
+
+nlohmann::json to_nlohmann(const Json& value) {
   if (value.is_null()) return nullptr;
   if (value.is_bool()) return value.as_bool();
   if (value.is_integer()) return value.as_int();
-  if (value.is_number()) {
-    EQ_CHECK(std::isfinite(value.as_double()), value.as_double());
-    return value.as_double();
-  }
+  if (value.is_number()) return value.as_double();
   if (value.is_string()) return value.as_string();
   if (value.is_array()) {
-    auto array = nlohmann::ordered_json::array();
+    auto array = nlohmann::json::array();
     for (const Json& element : value.as_array()) array.push_back(to_nlohmann(element));
     return array;
   }
-  auto object = nlohmann::ordered_json::object();
+  auto object = nlohmann::json::object();
   for (const auto& [key, member] : value.as_object()) object.emplace(key, to_nlohmann(member));
   return object;
 }
 
-std::string dump(const Json& value, int indent) {
-  return to_nlohmann(value).dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
-// valijson writes a place as <root>, ["name"], [0].
-std::vector<std::string> pointer_tokens(const std::vector<std::string>& context) {
-  std::vector<std::string> tokens;
-  for (const std::string& part : context) {
-    if (part.empty() || part.front() != '[') continue;
-    const bool quoted = part.size() >= 4 && part[1] == '"';
-    tokens.push_back(quoted ? part.substr(2, part.size() - 4) : part.substr(1, part.size() - 2));
+// A schema as valijson has it, with the regular expressions that were met.
+struct ReadySchema {
+  explicit ReadySchema(std::string_view text) : value(parse_json(text, "schema")) {
+    const nlohmann::json document = to_nlohmann(value);
+    valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(document), schema);
   }
-  return tokens;
-}
-
-const Json* follow(const Json& value, const std::string& token) {
-  if (value.is_object()) return value.find(token);
-  if (!value.is_array() || token.empty() || token.find_first_not_of("0123456789") != std::string::npos)
-    return nullptr;
-  const std::size_t index = std::stoull(token);
-  return index < value.as_array().size() ? &value.as_array()[index] : nullptr;
-}
-
-const Json& resolve(const Json& root, const Json& schema) {
-  const Json* reference = schema.find("$ref");
-  if (!reference) return schema;
-  const std::string& target = reference->as_string();
-  const Json* node = &root;
-  for (std::size_t start = 2; start <= target.size() && node;) {
-    const std::size_t end = std::min(target.find('/', start), target.size());
-    node = node->find(target.substr(start, end - start));
-    start = end + 1;
-  }
-  EQ_CHECK(node != nullptr, target);
-  return resolve(root, *node);
-}
-
-// The part of a schema that speaks of a place; null where it leaves the plain keywords.
-const Json* schema_at(const Json& root, const std::vector<std::string>& tokens) {
-  const Json* schema = &resolve(root, root);
-  for (const std::string& token : tokens) {
-    const Json* next = schema->find("properties");
-    next = next ? next->find(token) : nullptr;
-    if (!next) next = schema->find("items");
-    if (!next) next = schema->find("additionalProperties");
-    if (!next || !next->is_object()) return nullptr;
-    schema = &resolve(root, *next);
-  }
-  return schema;
-}
-
-std::string list_of(const Json& values) {
-  std::string text;
-  for (const Json& value : values.as_array()) {
-    text += (text.empty() ? "" : ", ") + (value.is_string() ? value.as_string() : describe_json(value));
-  }
-  return text;
-}
-
-struct Mismatch {
-  std::string expected;
-  std::string got;
+  Json value;
+  valijson::Schema schema;
+  valijson::Validator validator{valijson::Validator::kStrongTypes};
 };
 
-std::optional<Mismatch> find_member_mismatch(const Json& schema, const Json& value) {
-  if (const Json* required = schema.find("required")) {
-    for (const Json& name : required->as_array()) {
-      if (!value.find(name.as_string()))
-        return Mismatch{fmt::format("a member \"{}\"", name.as_string()), "none"};
-    }
-  }
-  const Json* additional = schema.find("additionalProperties");
-  const Json* properties = schema.find("properties");
-  if (additional && additional->is_bool() && !additional->as_bool() && properties) {
-    for (const auto& [name, member] : value.as_object()) {
-      if (properties->find(name)) continue;
-      Json known{Json::Array{}};
-      for (const auto& [known_name, unused] : properties->as_object()) known.push(known_name);
-      return Mismatch{fmt::format("only the members {}", list_of(known)), fmt::format("\"{}\"", name)};
-    }
-  }
-  return std::nullopt;
-}
-
-// The schema's words for what may stand there.
-std::string describe_schema(const Json& schema) {
-  if (const Json* description = schema.find("expected")) return description->as_string();
-  if (const Json* values = schema.find("enum")) return "one of " + list_of(*values);
-  if (const Json* value = schema.find("const")) return describe_json(*value);
-  std::string text;
-  if (const Json* type = schema.find("type")) text = type->is_string() ? type->as_string() : list_of(*type);
-  const auto append = [&](const char* keyword, const char* words) {
-    if (const Json* bound = schema.find(keyword)) text += fmt::format(" {} {}", words, describe_json(*bound));
-  };
-  append("minimum", "of at least");
-  append("exclusiveMinimum", "over");
-  append("maximum", "of at most");
-  append("exclusiveMaximum", "under");
-  append("minItems", "with element count at least");
-  append("maxItems", "with element count at most");
-  append("minLength", "of length at least");
-  append("maxLength", "of length at most");
-  append("pattern", "of the form");
-  if (const Json* unique = schema.find("uniqueItems"); unique && unique->as_bool())
-    text += " without repetition";
-  return text.empty() ? "what the schema allows" : text;
-}
-
-[[noreturn]] void fail_validation(const Json& value, const Json& schema,
-                                  const std::vector<std::string>& tokens, const std::string& description,
-                                  std::string_view source) {
-  std::string pointer;
-  const Json* place = &value;
-  for (const std::string& token : tokens) {
-    pointer += "/" + escape_pointer(token);
-    place = place ? follow(*place, token) : nullptr;
-  }
-  if (pointer.empty()) pointer = "/";
-  const Json* wanted = schema_at(schema, tokens);
-  if (!wanted || !place) throw InputError(source, pointer, "what the schema allows", description);
-  if (place->is_object()) {
-    if (const auto mismatch = find_member_mismatch(*wanted, *place)) {
-      throw InputError(source, pointer, mismatch->expected, mismatch->got);
-    }
-  }
-  throw InputError(source, pointer, describe_schema(*wanted), describe_json(*place));
-}
-
-// valijson compares all elements of an array with one another and keeps a line for each that fails, before it
-// counts them.
-void check_array_sizes(const Json& value, const Json& schema_part, const Json& schema,
-                       const std::string& place, std::string_view source) {
-  const Json& wanted = resolve(schema, schema_part);
-  if (value.is_array()) {
-    const Json* most = wanted.find("maxItems");
-    if (most && value.as_array().size() > static_cast<std::size_t>(most->as_int()))
-      throw InputError(source, place, describe_schema(wanted), describe_json(value));
-    const Json* items = wanted.find("items");
-    for (std::size_t i = 0; items && i < value.as_array().size(); ++i) {
-      if (value.at(i).is_array() || value.at(i).is_object())
-        check_array_sizes(value.at(i), *items, schema, fmt::format("{}/{}", place, i), source);
-    }
-  }
-  const Json* properties = value.is_object() ? wanted.find("properties") : nullptr;
-  if (!properties) return;
-  for (const auto& [name, member] : value.as_object()) {
-    if (const Json* part = properties->find(name))
-      check_array_sizes(member, *part, schema, place + "/" + escape_pointer(name), source);
-  }
-}
-
-Json sort_members(const Json& value) {
-  if (value.is_array()) {
-    Json::Array sorted;
-    for (const Json& element : value.as_array()) sorted.push_back(sort_members(element));
-    return Json(std::move(sorted));
-  }
-  if (!value.is_object()) return value;
-  Json::Object members;
-  for (const auto& [key, member] : value.as_object()) members.emplace_back(key, sort_members(member));
-  std::sort(members.begin(), members.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  return Json(std::move(members));
+// Each is read once by each thread: of the program's few schemas that takes longer than a file's validation.
+ReadySchema& find_schema(std::string_view text) {
+  thread_local std::map<std::string, ReadySchema, std::less<>> ready;
+  const auto known = ready.find(text);
+  return known != ready.end() ? known->second : ready.try_emplace(std::string(text), text).first->second;
 }
 
 }  // namespace
@@ -441,28 +371,25 @@ Json parse_json(std::string_view text, std::string_view source, const JsonLimits
   return builder.take();
 }
 
-std::string format_json(const Json& value) { return dump(value, 2) + "\n"; }
+std::string format_json(const Json& value) { return write(value, 2) + "\n"; }
 
-std::string format_canonical_json(const Json& value) { return dump(sort_members(value), -1); }
+std::string format_canonical_json(const Json& value) { return write(value, std::nullopt); }
 
 std::string digest_json(const Json& value) { return digest_text(format_canonical_json(value)); }
 
 void validate_json(const Json& value, std::string_view schema_text, std::string_view source) {
   prepare_regex();
-  const Json schema_value = parse_json(schema_text, "schema");
-  check_array_sizes(value, schema_value, schema_value, "", source);
-  const nlohmann::json schema_document = nlohmann::json::parse(schema_text);
-  const nlohmann::json document = nlohmann::json::parse(dump(value, -1));
-  valijson::Schema schema;
-  valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_document), schema);
+  ReadySchema& ready = find_schema(schema_text);
+  check_array_sizes(value, ready.value, source);
+  const nlohmann::json document = to_nlohmann(value);
   valijson::ValidationResults results;
-  valijson::Validator validator(valijson::Validator::kStrongTypes);
-  if (validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), &results)) return;
+  if (ready.validator.validate(ready.schema, valijson::adapters::NlohmannJsonAdapter(document), &results))
+    return;
   const auto deepest = std::max_element(results.begin(), results.end(), [](const auto& a, const auto& b) {
     return a.context.size() < b.context.size();
   });
   EQ_CHECK(deepest != results.end());
-  fail_validation(value, schema_value, pointer_tokens(deepest->context), deepest->description, source);
+  fail_validation(value, ready.value, deepest->context, deepest->description, source);
 }
 
 Json load_json(const std::filesystem::path& path, std::string_view schema, const JsonLimits& limits) {
@@ -477,7 +404,7 @@ std::string describe_json(const Json& value) {
   if (value.is_object()) return fmt::format("an object of {} members", value.as_object().size());
   if (value.is_string() && value.as_string().size() > 60)
     return fmt::format("\"{}...\"", value.as_string().substr(0, 60));
-  return dump(value, -1);
+  return write(value, std::nullopt);
 }
 
 }  // namespace equilux

@@ -125,6 +125,39 @@ TEST(JsonValues, RoundTripThroughTextAndKeepTheirOrder) {
   EXPECT_EQ(format_json(value).back(), '\n');
 }
 
+// What digests of older studies were taken of, and what files hold: by nlohmann-json.
+TEST(JsonValues, AreWrittenWithTheBytesTheyAlwaysHad) {
+  const Json value = parse_json(
+      R"({"z": [1, -2.5, [], {}, [[3]]], "a\tb": "q\"\\\u0001\u007f/", "\u00e9": {"y": 1e-7, "x": 1e20}, "n": 3.0})",
+      "a");
+  EXPECT_EQ(format_json(value), R"({
+  "z": [
+    1,
+    -2.5,
+    [],
+    {},
+    [
+      [
+        3
+      ]
+    ]
+  ],
+  "a\tb": "q\"\\\u0001/",
+  "é": {
+    "y": 1e-07,
+    "x": 1e+20
+  },
+  "n": 3.0
+}
+)");
+  EXPECT_EQ(format_canonical_json(value),
+            "{\"a\\tb\":\"q\\\"\\\\\\u0001\x7f/\",\"n\":3.0,\"z\":[1,-2.5,[],{},[[3]]],"
+            "\"\xc3\xa9\":{\"x\":1e+20,\"y\":1e-07}}");
+  EXPECT_EQ(format_canonical_json(Json(std::string("\xff"))), "\"\xef\xbf\xbd\"");
+  EXPECT_EQ(format_json(Json(Json::Array{})) + format_json(Json(Json::Object{})) + format_json(Json()),
+            "[]\n{}\nnull\n");
+}
+
 TEST(JsonValues, ReadAsAnotherTypeAreOurBug) {
   const Json value = parse_json(R"({"a": "x", "b": 1.5})", "a");
   EXPECT_THROW(value.at("a").as_int(), CheckFailure);
