@@ -12,6 +12,7 @@
 #include "analysis/posterior.h"
 #include "analysis/probability.h"
 #include "analysis/weighted_counts.h"
+#include "base/below.h"
 #include "base/error.h"
 #include "base/random.h"
 
@@ -120,10 +121,11 @@ class Redrawn {
   // Resamples from `first` to before `end`, at most kLanes. shape: one for each cell
   std::vector<LaneCounts> count(int first, int end) const {
     std::vector<Lanes> weights(subjects_);
+    const Below below(std::max<std::size_t>(subjects_, 1));
     for (int number = first; number < end; ++number) {
       RandomStream random(key_, static_cast<std::uint64_t>(number));
       const auto lane = static_cast<std::size_t>(number - first);
-      for (std::size_t i = 0; i < subjects_; ++i) weights[random.next_below(subjects_)].add(lane, 1);
+      for (std::size_t i = 0; i < subjects_; ++i) weights[below(random)].add(lane, 1);
     }
     return counts_.count(weights);
   }

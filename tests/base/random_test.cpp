@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "base/below.h"
 #include "base/error.h"
 
 namespace equilux {
@@ -108,6 +109,27 @@ TEST(NextBelow, IsUnbiasedWhereARemainderWouldNotBe) {
   std::vector<int> mutant(3);  // the kept mutant: a remainder without rejection
   for (int i = 0; i < 90000; ++i) ++mutant[stream.next_u64() % (3 * third) / third];
   EXPECT_GT(chi_squared_of_equal(mutant), 13.82);
+}
+
+TEST(Below, DrawsWhatNextBelowDraws) {
+  for (std::uint64_t count : {1ULL, 2ULL, 3ULL, 1400ULL, 1ULL << 32, 3ULL << 62, (1ULL << 63) + 1, ~0ULL}) {
+    RandomStream one(44, "below", count), other(44, "below", count);
+    const Below below(count);
+    for (int i = 0; i < 200; ++i) ASSERT_EQ(below(one), other.next_below(count)) << count;
+  }
+  EXPECT_THROW(Below(0), CheckFailure);
+}
+
+TEST(Below, HasTheRemainderAtTheEndsOfEachMultiple) {
+  for (std::uint64_t count :
+       {1ULL, 2ULL, 3ULL, 7ULL, 641ULL, (1ULL << 32) - 1, 1ULL << 63, (1ULL << 63) + 1, ~0ULL - 1, ~0ULL}) {
+    const Below below(count);
+    for (const std::uint64_t multiple : {std::uint64_t{1}, UINT64_MAX / count / 2, UINT64_MAX / count}) {
+      for (const std::uint64_t value :
+           {multiple * count - 1, multiple * count, multiple * count + 1, UINT64_MAX})
+        ASSERT_EQ(below.find_remainder(value), value % count) << value << " " << count;
+    }
+  }
 }
 
 // Seed 7, n = 48,000 shuffles of 4, level 0.1 %: 23 degrees of freedom, 49.73.
