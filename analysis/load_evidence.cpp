@@ -14,49 +14,57 @@ namespace {
 struct LogReading {
   const TrialLog& log;
   std::vector<SessionRow> sessions;
-  std::map<std::int64_t, std::vector<TrialRow>> trials;  ///< by session
-  SessionProtocol protocol;                              ///< of the folder now
+  BriefTrials trials;
+  SessionProtocol protocol;  ///< of the folder now
   std::string source;
 };
 
 SessionSummary summarise(const LogReading& reading, const SessionRow& session,
-                         const std::vector<TrialRow>& trials) {
+                         const std::vector<BriefTrial>& trials) {
   SessionSummary summary = summarise_session(session, trials);
   if (!session.complete) summary.abort_reason = find_abort_reason(reading.log.load_events(session.id));
   const auto& asked = reading.protocol.catch_trials;
   const bool has_catch_trials = std::any_of(
-      trials.begin(), trials.end(), [](const TrialRow& trial) { return trial.phase == Phase::kCatch; });
+      trials.begin(), trials.end(), [](const BriefTrial& trial) { return trial.phase == Phase::kCatch; });
   if (asked && has_catch_trials && session.digests.protocol == reading.protocol.digest)
     summary.catch_pass = asked->pass;
   return summary;
 }
 
-// A finished session has an answer to every trial, unless somebody changed its log.
-void append_answers(ExperimentEvidence& evidence, const SessionRow& session,
-                    const std::vector<TrialRow>& trials) {
-  for (const TrialRow& trial : trials) {
-    if (trial.phase != Phase::kMain) continue;
-    if (!trial.answer) {
-      ++evidence.unanswered;
-      continue;
+// The answers of one experiment and their digest.
+struct Counted {
+  ExperimentEvidence& evidence;
+  const std::vector<Cell>& cells;
+  AnswersDigest digest = {};
+
+  // A finished session has an answer to every trial, unless somebody changed its log.
+  void add(const SessionRow& session, const std::vector<BriefTrial>& trials) {
+    for (const BriefTrial& trial : trials) {
+      if (trial.phase != Phase::kMain) continue;
+      if (!trial.answer) {
+        ++evidence.unanswered;
+        continue;
+      }
+      const bool correct = *trial.answer == trial.test_side;
+      evidence.answers.push_back({session.id, session.subject_index, cells[trial.cell], correct});
+      digest.add(trial.cell, session.subject_index, correct);
     }
-    evidence.answers.push_back(
-        {session.id, session.subject_index, trial.cell, *trial.answer == trial.test_side});
   }
-}
+};
 
 // Each trial is read once.
 ExperimentEvidence load_experiment(LogReading& reading, SubjectKind kind, Experiment experiment,
                                    const Study& study) {
   ExperimentEvidence evidence = gather_sessions(reading.sessions, kind, experiment, study, reading.source);
+  Counted counted{evidence, reading.trials.cells};
   for (const SessionRow& session : reading.sessions) {
     if (session.kind != kind || session.experiment != experiment) continue;
-    const auto trials = std::exchange(reading.trials[session.id], {});
+    const auto trials = std::exchange(reading.trials.by_session[session.id], {});
     if (evidence.answers.empty()) evidence.answers.reserve(trials.size() * evidence.finished.size());
-    if (session.complete) append_answers(evidence, session, trials);
+    if (session.complete) counted.add(session, trials);
     evidence.summaries.push_back(summarise(reading, session, trials));
   }
-  evidence.digest = digest_answers(evidence.answers);
+  evidence.digest = counted.digest.finish(reading.trials.cells);
   return evidence;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "analysis/order_draws.h"
+#include "base/below.h"
 #include "base/error.h"
 #include "base/random.h"
 
@@ -24,31 +25,23 @@ std::optional<double> find_median(std::vector<double> values) {
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
 }
 
-// A key ends in its view.
-std::optional<int> find_view(const TrialRow& trial) {
-  if (trial.test_key.ends_with("v0")) return 0;
-  if (trial.test_key.ends_with("v1")) return 1;
-  return std::nullopt;
-}
-
-std::vector<std::uint8_t> find_combos(const std::vector<const TrialRow*>& main) {
+std::vector<std::uint8_t> find_combos(const std::vector<const BriefTrial*>& main) {
   std::vector<std::uint8_t> combos;
   combos.reserve(main.size());
-  for (const TrialRow* trial : main) {
-    const auto view = find_view(*trial);
-    if (!view) return {};
-    combos.push_back(static_cast<std::uint8_t>(2 * *view + (trial->test_side == Side::kRight ? 1 : 0) +
+  for (const BriefTrial* trial : main) {
+    if (!trial->view) return {};
+    combos.push_back(static_cast<std::uint8_t>(2 * *trial->view + (trial->test_side == Side::kRight ? 1 : 0) +
                                                (trial->answer ? 0 : kUnansweredCombo)));
   }
   return combos;
 }
 
-bool is_correct(const TrialRow& trial) { return trial.answer == trial.test_side; }
+bool is_correct(const BriefTrial& trial) { return trial.answer == trial.test_side; }
 
-void add_main_trials(SessionSummary& summary, const std::vector<const TrialRow*>& main) {
+void add_main_trials(SessionSummary& summary, const std::vector<const BriefTrial*>& main) {
   std::vector<double> first, second;
   for (std::size_t i = 0; i < main.size(); ++i) {
-    const TrialRow& trial = *main[i];
+    const BriefTrial& trial = *main[i];
     if (!trial.answer) continue;
     const bool is_first = 2 * i < main.size();
     Count& half = is_first ? summary.first_half : summary.second_half;
@@ -56,8 +49,7 @@ void add_main_trials(SessionSummary& summary, const std::vector<const TrialRow*>
     half.k += is_correct(trial) ? 1 : 0;
     summary.left += *trial.answer == Side::kLeft ? 1 : 0;
     summary.too_fast += trial.too_fast ? 1 : 0;
-    if (trial.response_time_ns)
-      (is_first ? first : second).push_back(static_cast<double>(*trial.response_time_ns) * 1e-9);
+    (is_first ? first : second).push_back(static_cast<double>(trial.response_time_ns) * 1e-9);
   }
   summary.scheduled = std::ssize(main);
   summary.answered = summary.first_half.n + summary.second_half.n;
@@ -159,9 +151,10 @@ double find_flip_p(const std::vector<double>& values, std::uint64_t seed) {
 
 Interval find_mean_interval(const std::vector<double>& values, std::uint64_t seed) {
   RandomStream random(seed, kOrderBootstrapStream, 0);
+  const Below below(values.size());
   std::vector<double> means(kOrderDraws);
   for (double& mean : means) {
-    for (std::size_t i = 0; i < values.size(); ++i) mean += values[random.next_below(values.size())];
+    for (std::size_t i = 0; i < values.size(); ++i) mean += values[below(random)];
     mean /= static_cast<double>(values.size());
   }
   std::sort(means.begin(), means.end());
@@ -183,7 +176,7 @@ std::optional<double> find_speed_ratio(const std::vector<SessionSummary>& summar
 
 }  // namespace
 
-SessionSummary summarise_session(const SessionRow& session, const std::vector<TrialRow>& trials) {
+SessionSummary summarise_session(const SessionRow& session, const std::vector<BriefTrial>& trials) {
   SessionSummary summary;
   summary.session = session.id;
   summary.participant = session.participant;
@@ -191,8 +184,8 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Tr
     summary.language = language->second;
   summary.subject_index = session.subject_index;
   summary.complete = session.complete;
-  std::vector<const TrialRow*> main;
-  for (const TrialRow& trial : trials) {
+  std::vector<const BriefTrial*> main;
+  for (const BriefTrial& trial : trials) {
     const Phase phase = trial.phase;
     if (phase == Phase::kMain) main.push_back(&trial);
     if (phase != Phase::kCatch || !trial.answer) continue;

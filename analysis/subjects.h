@@ -41,7 +41,7 @@ struct SessionSummary {
 /// A combo is view (high bit) and side (low bit: right) of a picture: 0 to 3.
 inline constexpr std::uint8_t kUnansweredCombo = 4;
 
-SessionSummary summarise_session(const SessionRow& session, const std::vector<TrialRow>& trials);
+SessionSummary summarise_session(const SessionRow& session, const std::vector<BriefTrial>& trials);
 
 /// Why a reader should look at a session twice. It counts all the same.
 enum class SubjectMark {

@@ -12,8 +12,7 @@
 namespace equilux {
 namespace {
 
-constexpr std::size_t kUsualTrials = 512;  // of a session: so that most lists of them never grow
-constexpr char kStationEnd = ':';          // what was exported at another station is STATION:PATH
+constexpr char kStationEnd = ':';  // what was exported at another station is STATION:PATH
 
 Side parse_side(std::string_view text, const std::string& source) {
   if (text != "left" && text != "right")
@@ -82,36 +81,6 @@ TrialRow read_trial(const Statement& row, const std::string& source) {
   return trial;
 }
 
-// Of a picture's key: v0 or v1.
-constexpr std::size_t kViewLength = 2;
-
-// Before the session.
-constexpr int kBriefColumns = 8;
-
-TrialRow read_brief_trial(const Statement& row, CellReader& cells, const std::string& source) {
-  TrialRow trial;
-  trial.number = static_cast<int>(row.integer(0));
-  trial.phase = parse_phase(row.view(1), source);
-  trial.cell = cells.read(row.view(2), source, "trial/cell");
-  trial.test_side = parse_side(row.view(3), source);
-  const std::string_view key = row.view(7);
-  trial.test_key = key.substr(key.size() - std::min(key.size(), kViewLength));
-  if (row.is_null(4)) return trial;
-  trial.answer = parse_side(row.view(4), source);
-  trial.response_time_ns = row.integer(5);
-  trial.too_fast = row.integer(6) != 0;
-  return trial;
-}
-
-// Sorted, they are all there.
-void check_numbers(const Database& database, std::int64_t session, const std::vector<TrialRow>& trials) {
-  for (std::size_t i = 0; i < trials.size(); ++i) {
-    if (trials[i].number == static_cast<int>(i)) continue;
-    throw InputError(database.name(), fmt::format("session {}", session), fmt::format("its trial {}", i),
-                     fmt::format("none: the next is {}", trials[i].number));
-  }
-}
-
 std::map<std::string, std::string> load_fields(const Database& database, std::int64_t session) {
   Statement statement(database, "SELECT name, value FROM field WHERE session = ?", session);
   std::map<std::string, std::string> fields;
@@ -173,33 +142,8 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
                       session);
   std::vector<TrialRow> trials;
   while (statement.step()) trials.push_back(read_trial(statement, database.name()));
-  check_numbers(database, session, trials);
+  check_numbers(database.name(), session, trials);
   return trials;
-}
-
-// The table itself, not its index, which may lack a row.
-std::map<std::int64_t, std::vector<TrialRow>> load_brief_trials(const Database& database, CellReader& cells) {
-  Statement statement(database,
-                      "SELECT trial, phase, cell, test_side, answer, response_time_ns, too_fast, test_key,"
-                      " session FROM trial NOT INDEXED");
-  std::map<std::int64_t, std::vector<TrialRow>> by_session;
-  std::vector<TrialRow>* trials = nullptr;
-  std::int64_t session = 0;
-  while (statement.step()) {
-    if (const std::int64_t next = statement.integer(kBriefColumns); !trials || next != session) {
-      session = next;
-      trials = &by_session[session];
-      trials->reserve(kUsualTrials);
-    }
-    trials->push_back(read_brief_trial(statement, cells, database.name()));
-  }
-  const auto by_number = [](const TrialRow& a, const TrialRow& b) { return a.number < b.number; };
-  for (auto& [id, of_session] : by_session) {
-    if (!std::is_sorted(of_session.begin(), of_session.end(), by_number))
-      std::sort(of_session.begin(), of_session.end(), by_number);
-    check_numbers(database, id, of_session);
-  }
-  return by_session;
 }
 
 std::vector<EventRow> load_events(const Database& database, std::int64_t session) {

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <fmt/format.h>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "experiment/database.h"
 #include "experiment/trial_log.h"
 #include "protocols/cell_numbers.h"
@@ -26,11 +27,21 @@ bool is_of(const Tombstone& tombstone, const std::string& code);
 /// The tombstone of a code, if its participant withdrew.
 std::optional<Tombstone> find_tombstone(const std::vector<Tombstone>& tombstones, const std::string& code);
 
+/// Of a session's trials, sorted. errors: InputError where one of them is not there
+template <typename Trial>
+void check_numbers(const std::string& source, std::int64_t session, const std::vector<Trial>& trials) {
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (trials[i].number == static_cast<int>(i)) continue;
+    throw InputError(source, fmt::format("session {}", session), fmt::format("its trial {}", i),
+                     fmt::format("none: the next is {}", trials[i].number));
+  }
+}
+
 std::string load_station(const Database& database);
 std::vector<SessionRow> load_sessions(const Database& database);
 std::vector<TrialRow> load_trials(const Database& database, std::int64_t session);
 /// Of all sessions, see TrialLog::load_brief_trials.
-std::map<std::int64_t, std::vector<TrialRow>> load_brief_trials(const Database& database, CellReader& cells);
+BriefTrials load_brief_trials(const Database& database, CellReader& cells);
 std::vector<EventRow> load_events(const Database& database, std::int64_t session);
 std::vector<Tombstone> load_tombstones(const Database& database);
 std::vector<ExportRow> load_exports(const Database& database);  ///< each path of a station once, sorted

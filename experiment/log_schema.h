@@ -10,6 +10,9 @@
 
 namespace equilux {
 
+/// What to do about a file that is not as this program leaves it.
+inline constexpr const char* kDamageAdvice = "keep this file as it is, and go on with a copy from before";
+
 /// Whether a file of this name is there, unless its maker was stopped before the first transaction: then
 /// nothing was ever recorded in it, and open_log makes it.
 bool has_log(const std::filesystem::path& path);

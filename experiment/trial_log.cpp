@@ -2,11 +2,8 @@
 #include "experiment/trial_log.h"
 
 #include <algorithm>
-#include <map>
-#include <unordered_map>
 #include <utility>
 
-#include "base/digest.h"
 #include "base/error.h"
 #include "base/program.h"
 #include "experiment/database.h"
@@ -50,6 +47,12 @@ void check_can_begin(const Database& database, const SessionRow& row) {
   }
 }
 
+// A hundred logs of a study have the same cells.
+CellReader& known_cells() {
+  thread_local CellReader cells;
+  return cells;
+}
+
 // The detail of the last event of this kind after which nothing went on.
 std::optional<std::string> find_last_end(const std::vector<EventRow>& events, const std::string& kind) {
   std::optional<std::string> reason;
@@ -75,7 +78,6 @@ std::string format_phase(Phase phase) {
 
 struct TrialLog::Impl {
   Database database;
-  mutable CellReader cells = {};
 };
 
 TrialLog::TrialLog(const fs::path& path, bool create)
@@ -111,8 +113,8 @@ std::vector<TrialRow> TrialLog::load_trials(std::int64_t session) const {
   return equilux::load_trials(impl_->database, session);
 }
 
-std::map<std::int64_t, std::vector<TrialRow>> TrialLog::load_brief_trials() const {
-  return equilux::load_brief_trials(impl_->database, impl_->cells);
+BriefTrials TrialLog::load_brief_trials() const {
+  return equilux::load_brief_trials(impl_->database, known_cells());
 }
 
 std::vector<EventRow> TrialLog::load_events(std::int64_t session) const {
@@ -203,7 +205,7 @@ std::vector<AnswerRow> TrialLog::load_answers(SubjectKind kind, Experiment exper
   std::vector<AnswerRow> answers;
   while (statement.step()) {
     answers.push_back({statement.integer(0), statement.integer(1),
-                       impl_->cells.read(statement.view(2), impl_->database.name(), "trial/cell"),
+                       known_cells().read(statement.view(2), impl_->database.name(), "trial/cell"),
                        statement.integer(3) != 0});
   }
   return answers;
@@ -241,42 +243,6 @@ std::optional<std::string> find_abort_reason(const std::vector<EventRow>& events
 
 std::optional<std::string> find_interruption(const std::vector<EventRow>& events) {
   return find_last_end(events, "interrupt");
-}
-
-// The lines "KEY INDEX correct\n" in the order of their bytes, sorted by the first field and then by the
-// rest: no key holds a blank or anything that sorts before it. Of the rests there are few, so they are sorted
-// once and then told by their ranks.
-std::string digest_answers(const std::vector<AnswerRow>& answers) {
-  CellNumbers numbers;
-  std::unordered_map<std::int64_t, std::uint32_t> subjects;
-  std::vector<std::string> rests;
-  std::vector<std::vector<std::uint32_t>> by_cell;
-  for (const AnswerRow& answer : answers) {
-    const auto [subject, is_new] =
-        subjects.try_emplace(answer.subject_index, static_cast<std::uint32_t>(rests.size()));
-    if (is_new) {
-      for (const char* outcome : {"wrong", "correct"})
-        rests.push_back(fmt::format(" {} {}\n", answer.subject_index, outcome));
-    }
-    const std::size_t cell = numbers.number_of(answer.cell);
-    if (cell == by_cell.size()) by_cell.emplace_back();
-    by_cell[cell].push_back(subject->second + (answer.correct ? 1 : 0));
-  }
-  std::vector<std::string> sorted = rests;
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<std::uint32_t> ranks;
-  for (const std::string& rest : rests)
-    ranks.push_back(
-        static_cast<std::uint32_t>(std::lower_bound(sorted.begin(), sorted.end(), rest) - sorted.begin()));
-  std::map<std::string, std::vector<std::uint32_t>*> by_key;
-  for (std::size_t i = 0; i < by_cell.size(); ++i) by_key[format_key(numbers.cells()[i])] = &by_cell[i];
-  std::string text;
-  for (const auto& [key, cell] : by_key) {
-    for (std::uint32_t& rest : *cell) rest = ranks[rest];
-    std::sort(cell->begin(), cell->end());
-    for (const std::uint32_t rank : *cell) text.append(key).append(sorted[rank]);
-  }
-  return digest_text(text);
 }
 
 }  // namespace equilux

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "protocols/condition.h"
@@ -79,6 +80,25 @@ struct TrialRow {
   bool operator==(const TrialRow&) const = default;
 };
 
+/// What answers are counted by of a TrialRow: no names of pictures, no time of day.
+struct BriefTrial {
+  int number = 0;
+  Phase phase = Phase::kMain;
+  std::uint32_t cell = 0;   ///< index into BriefTrials::cells
+  std::optional<int> view;  ///< of the test picture; empty where its name ends in none
+  Side test_side = Side::kLeft;
+  std::optional<Side> answer;
+  std::int64_t response_time_ns = 0;  ///< as in TrialRow; 0 where there is no answer
+  bool too_fast = false;
+  bool operator==(const BriefTrial&) const = default;
+};
+
+/// The trials of all sessions of a log.
+struct BriefTrials {
+  std::vector<Cell> cells;                                     ///< each once, in no order
+  std::map<std::int64_t, std::vector<BriefTrial>> by_session;  ///< in order of showing
+};
+
 /// Something that happened; docs/responses.md names the kinds.
 struct EventRow {
   std::optional<int> trial;  ///< empty for events of the whole session
@@ -123,8 +143,8 @@ struct Lane {
 /// How well a snapshot is looked at before anything is read.
 enum class LogCheck {
   kWhole,   ///< tables and indexes
-  kTables,  ///< in half the time, for who asks for sessions, events and load_brief_trials, which go by no
-            ///< index
+  kTables,  ///< in a third of the time, for who asks for sessions, events and load_brief_trials, which go by
+            ///< no index: tables, but for the values of trials, which load_brief_trials looks at itself
 };
 
 /// The log. One committed transaction for each change; a database that cannot be written throws StoreError.
@@ -150,10 +170,9 @@ class TrialLog {
 
   std::vector<SessionRow> load_sessions() const;
   std::vector<TrialRow> load_trials(std::int64_t session) const;
-  /// As load_trials, of all sessions at once, but without the pictures' names, of which only the view of the
-  /// test picture stays ("v0" as `test_key`), and without the time of day: what answers are counted by, in a
-  /// third of the time. shape: by session
-  std::map<std::int64_t, std::vector<TrialRow>> load_brief_trials() const;
+  /// As load_trials, of all sessions at once, in a small part of the time. errors: InputError for a value
+  /// that the schema does not allow, since LogCheck::kTables leaves these to this
+  BriefTrials load_brief_trials() const;
   std::vector<EventRow> load_events(std::int64_t session) const;  ///< in order of recording
   std::string load_station() const;                               ///< this log's own
   std::int64_t count_withdrawn() const;                           ///< tombstones
@@ -203,5 +222,19 @@ std::optional<std::string> find_interruption(const std::vector<EventRow>& events
 
 /// Digest of answers, sorted and canonical: independent of the order of sessions and of the database file.
 std::string digest_answers(const std::vector<AnswerRow>& answers);
+
+/// The same of answers that are told one by one, their cells by number.
+class AnswersDigest {
+ public:
+  void add(std::uint32_t cell, std::int64_t subject_index, bool correct);
+  /// `cells` by their numbers, each once.
+  std::string finish(const std::vector<Cell>& cells);
+
+ private:
+  std::vector<std::int64_t> subjects_;                     ///< in order of their first answers
+  std::unordered_map<std::int64_t, std::uint32_t> ranks_;  ///< in that order
+  std::uint32_t last_ = 0;                                 ///< rank of who answered last
+  std::vector<std::vector<std::uint32_t>> by_cell_;  ///< of each answer twice the rank, 1 more if correct
+};
 
 }  // namespace equilux

@@ -1,12 +1,14 @@
 // Hashing of cells and of their keys.
 #include "protocols/cell_numbers.h"
 
+#include "base/random.h"
+
 namespace equilux {
 
 std::size_t CellNumbers::Hash::operator()(const Cell& cell) const {
   const Object& object = cell.column.object;
-  const std::hash<std::string_view> hash;
-  std::size_t value = hash(object.geometry) * 31 + hash(object.material);
+  // Names of two or three letters: a byte at a time is faster than what is made for long texts.
+  std::size_t value = hash_name(object.geometry) * 31 + hash_name(object.material);
   value = value * 31 + static_cast<std::size_t>(cell.column.vpl_count);
   return value * 64 + static_cast<std::size_t>(cell.clamp_level) * 4 +
          static_cast<std::size_t>(object.illumination) * 2 + (cell.normalised ? 1 : 0);
@@ -19,8 +21,18 @@ std::uint32_t CellNumbers::number_of(const Cell& cell) {
 }
 
 const Cell& CellReader::read(std::string_view text, std::string_view source, std::string_view place) {
-  if (const auto known = cells_.find(text); known != cells_.end()) return known->second;
-  return cells_.emplace(text, parse_cell(text, source, place)).first->second;
+  return cells_[number_of(text, source, place)];
+}
+
+std::optional<std::uint32_t> CellReader::find(std::string_view text) const {
+  const auto known = numbers_.find(text);
+  return known != numbers_.end() ? std::optional(known->second) : std::nullopt;
+}
+
+std::uint32_t CellReader::number_of(std::string_view text, std::string_view source, std::string_view place) {
+  if (const auto known = find(text)) return *known;
+  cells_.push_back(parse_cell(text, source, place));
+  return numbers_.emplace(text, static_cast<std::uint32_t>(cells_.size() - 1)).first->second;
 }
 
 }  // namespace equilux

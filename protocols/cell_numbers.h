@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -27,18 +28,25 @@ class CellNumbers {
   std::vector<Cell> cells_;
 };
 
-/// Reads keys of cells, each different one once.
+/// Reads keys of cells, each different one once, and numbers them as they come.
 class CellReader {
  public:
-  /// As parse_cell.
+  /// As parse_cell. The reference holds until the next new key.
   const Cell& read(std::string_view text, std::string_view source, std::string_view place);
+  /// The number of a key that was read before.
+  std::optional<std::uint32_t> find(std::string_view text) const;
+  /// The number of a key, which is read where it is new. errors: as parse_cell
+  std::uint32_t number_of(std::string_view text, std::string_view source, std::string_view place);
+  /// The cells by their numbers.
+  const std::vector<Cell>& cells() const { return cells_; }
 
  private:
   struct Hash {
     using is_transparent = void;
     std::size_t operator()(std::string_view text) const { return std::hash<std::string_view>{}(text); }
   };
-  std::unordered_map<std::string, Cell, Hash, std::equal_to<>> cells_;
+  std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> numbers_;
+  std::vector<Cell> cells_;
 };
 
 }  // namespace equilux

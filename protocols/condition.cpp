@@ -119,25 +119,25 @@ std::string format_illumination(Illumination illumination) {
 }
 
 std::string format_vpl_count(std::int64_t vpl_count) {
-  if (vpl_count % 1000000 == 0) return fmt::format("{}M", vpl_count / 1000000);
-  if (vpl_count % 1000 == 0) return fmt::format("{}k", vpl_count / 1000);
-  return fmt::format("{}", vpl_count);
+  if (vpl_count % 1000000 == 0) return std::to_string(vpl_count / 1000000) + 'M';
+  if (vpl_count % 1000 == 0) return std::to_string(vpl_count / 1000) + 'k';
+  return std::to_string(vpl_count);
 }
 
 std::string format_clamp(int clamp_level, bool normalised) {
-  return fmt::format("C{}{}", clamp_level, normalised ? "n" : "");
+  return 'C' + std::to_string(clamp_level) + (normalised ? "n" : "");
 }
 
 std::string format_key(const Object& object) {
-  return fmt::format("{}-{}-{}", object.geometry, object.material, format_illumination(object.illumination));
+  return object.geometry + '-' + object.material + '-' + format_illumination(object.illumination);
 }
 
 std::string format_key(const Column& column) {
-  return fmt::format("{}-{}", format_key(column.object), format_vpl_count(column.vpl_count));
+  return format_key(column.object) + '-' + format_vpl_count(column.vpl_count);
 }
 
 std::string format_key(const Cell& cell) {
-  return fmt::format("{}-{}", format_key(cell.column), format_clamp(cell.clamp_level, cell.normalised));
+  return format_key(cell.column) + '-' + format_clamp(cell.clamp_level, cell.normalised);
 }
 
 std::string format_key(const Condition& condition) {

@@ -7,6 +7,7 @@
 
 #include "analysis/report.h"
 #include "experiment/schedule.h"
+#include "tests/analysis/brief.h"
 #include "tests/analysis/columns.h"
 
 namespace equilux::tests {
@@ -29,7 +30,7 @@ ExperimentEvidence make_scheduled(int subjects, const std::function<void(int, Tr
       if (trial.answer) evidence.answers.push_back({row.id, i, trial.cell, true});
     }
     evidence.finished.push_back(row);
-    evidence.summaries.push_back(summarise_session(row, trials));
+    evidence.summaries.push_back(summarise_session(row, make_brief(trials)));
   }
   return evidence;
 }

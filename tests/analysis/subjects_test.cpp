@@ -21,10 +21,11 @@ SessionRow make_finished(std::int64_t id) {
 }
 
 // Trials i = 0, 1, ..: the test picture left and right in turn; correct where `correct(i)`.
-std::vector<TrialRow> make_trials(int count, const std::function<bool(int)>& correct, double seconds = 1.5) {
-  std::vector<TrialRow> trials;
+std::vector<BriefTrial> make_trials(int count, const std::function<bool(int)>& correct,
+                                    double seconds = 1.5) {
+  std::vector<BriefTrial> trials;
   for (int i = 0; i < count; ++i) {
-    TrialRow trial;
+    BriefTrial trial;
     trial.number = i;
     trial.test_side = i % 2 == 0 ? Side::kLeft : Side::kRight;
     const bool left = (trial.test_side == Side::kLeft) == correct(i);
@@ -73,7 +74,7 @@ TEST(Subjects, of_no_answers_have_no_numbers) {
   EXPECT_TRUE(finding.marks.empty());
 }
 
-std::vector<SubjectMark> marks_of(const std::vector<TrialRow>& trials) {
+std::vector<SubjectMark> marks_of(const std::vector<BriefTrial>& trials) {
   return find_subjects({summarise_session(make_finished(1), trials)}, {}).front().marks;
 }
 

@@ -112,7 +112,7 @@ TEST_F(TrialLogFailure, ADamagedFileNeverHidesATrial) {
     damaged[at] = static_cast<char>(damaged[at] ^ (1 << at % 8));
     save_text(path_, damaged);
     try {
-      const auto counted = TrialLog::load_snapshot(path_, LogCheck::kTables).load_brief_trials();
+      const auto counted = TrialLog::load_snapshot(path_, LogCheck::kTables).load_brief_trials().by_session;
       ASSERT_EQ(counted.size(), 3u) << at;
       for (const auto& [session, trials] : counted) ASSERT_EQ(trials.size(), 40u) << at;
       const TrialLog log = TrialLog::load_snapshot(path_);

@@ -322,15 +322,25 @@ TEST_F(TrialLogTest, BriefTrialsAreTrialsWithoutNamesButViewsAndWithoutTimesOfDa
   auto trials = make_fake_trials(8);
   trials[2].phase = Phase::kCatch;
   trials[3].phase = Phase::kPractice;
+  trials[5].test_key = "of no view";
   const auto session = log.append_session(make_fake_session(), trials);
+  const auto other = log.append_session(make_fake_session(1), make_fake_trials(3));
   log.append_answer(session, {0, Side::kRight, 1234, true}, 1, 5000);
-  auto whole = log.load_trials(session);
-  for (TrialRow& trial : whole) {
-    trial.test_key = trial.test_key.substr(trial.test_key.size() - 2);
-    trial.pair_key = trial.upper_key = "";
-    trial.answered_utc.reset();
+  const BriefTrials brief = log.load_brief_trials();
+  EXPECT_EQ(brief.by_session.at(other).size(), 3u);
+  const auto whole = log.load_trials(session);
+  ASSERT_EQ(brief.by_session.at(session).size(), whole.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const BriefTrial& trial = brief.by_session.at(session)[i];
+    EXPECT_EQ(trial.number, whole[i].number);
+    EXPECT_EQ(trial.phase, whole[i].phase);
+    EXPECT_EQ(brief.cells.at(trial.cell), whole[i].cell);
+    EXPECT_EQ(trial.view, i == 5 ? std::nullopt : std::optional<int>(i % kViewCount));
+    EXPECT_EQ(trial.test_side, whole[i].test_side);
+    EXPECT_EQ(trial.answer, whole[i].answer);
+    EXPECT_EQ(trial.response_time_ns, whole[i].response_time_ns.value_or(0));
+    EXPECT_EQ(trial.too_fast, whole[i].too_fast);
   }
-  EXPECT_EQ(log.load_brief_trials().at(session), whole);
 }
 
 TEST_F(TrialLogTest, MovesWithItsConnection) {

@@ -1,0 +1,144 @@
+// All trials of a log in one go, each value held to what responses.sql allows.
+#include <algorithm>
+#include <fmt/format.h>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "experiment/log_rows.h"
+#include "experiment/log_schema.h"
+
+namespace equilux {
+namespace {
+
+constexpr std::size_t kUsualTrials = 512;  // of a session: so that most lists of them never grow
+
+// The table itself, not its index, which may lack a row.
+constexpr const char* kQuery =
+    "SELECT session, trial, phase, cell, test_key, test_side, answer, response_time_ns, answered_utc, "
+    "too_fast"
+    " FROM trial NOT INDEXED";
+enum Column {
+  kSession,
+  kTrial,
+  kPhase,
+  kCell,
+  kTestKey,
+  kTestSide,
+  kAnswer,
+  kResponseTime,
+  kAnsweredUtc,
+  kTooFast
+};
+
+std::optional<Phase> find_phase(std::string_view text) {
+  if (text == "main") return Phase::kMain;
+  if (text == "catch") return Phase::kCatch;
+  if (text == "practice") return Phase::kPractice;
+  return std::nullopt;
+}
+
+std::optional<Side> find_side(std::string_view text) {
+  if (text == "left") return Side::kLeft;
+  if (text == "right") return Side::kRight;
+  return std::nullopt;
+}
+
+// A picture's key ends in its view.
+std::optional<int> find_view(std::string_view key) {
+  if (key.ends_with("v0")) return 0;
+  if (key.ends_with("v1")) return 1;
+  return std::nullopt;
+}
+
+class Reader {
+ public:
+  Reader(const Database& database, CellReader& cells)
+      : source_(database.name()), row_(database, kQuery), cells_(cells) {}
+
+  bool step() { return row_.step(); }
+  std::int64_t session() const { return row_.integer(kSession); }
+
+  BriefTrial read() {
+    BriefTrial trial;
+    trial.number = read_number();
+    trial.phase = take(find_phase(row_.view(kPhase)), kPhase, "phase", "practice, main or catch");
+    trial.cell = read_cell();
+    trial.view = find_view(row_.view(kTestKey));
+    trial.test_side = take(find_side(row_.view(kTestSide)), kTestSide, "test_side", "left or right");
+    trial.too_fast = read_flag();
+    const bool is_open = row_.is_null(kAnswer);
+    if (row_.is_null(kResponseTime) != is_open) refuse(kResponseTime, "response_time_ns", kWithAnswer);
+    if (row_.is_null(kAnsweredUtc) != is_open) refuse(kAnsweredUtc, "answered_utc", kWithAnswer);
+    if (is_open) return trial;
+    trial.answer = take(find_side(row_.view(kAnswer)), kAnswer, "answer", "left or right");
+    trial.response_time_ns = row_.integer(kResponseTime);
+    if (trial.response_time_ns <= 0) refuse(kResponseTime, "response_time_ns", "more than 0");
+    return trial;
+  }
+
+ private:
+  static constexpr const char* kWithAnswer = "one where there is an answer, and there alone";
+
+  int read_number() const {
+    const std::int64_t number = row_.integer(kTrial);
+    if (number < 0 || number > std::numeric_limits<int>::max())
+      refuse(kTrial, "trial", "its place in the order of showing: 0, 1, ...");
+    return static_cast<int>(number);
+  }
+  std::uint32_t read_cell() {
+    const std::string_view key = row_.view(kCell);
+    if (const auto known = cells_.find(key)) return *known;
+    return cells_.number_of(key, source_, place("cell"));
+  }
+  bool read_flag() const {
+    const std::int64_t flag = row_.integer(kTooFast);
+    if (flag != 0 && flag != 1) refuse(kTooFast, "too_fast", "0 or 1");
+    return flag != 0;
+  }
+  template <typename T>
+  T take(const std::optional<T>& value, Column column, std::string_view name,
+         std::string_view expected) const {
+    if (!value) refuse(column, name, expected);
+    return *value;
+  }
+
+  std::string place(std::string_view name) const {
+    return fmt::format("session {}, trial {}: {}", session(), row_.integer(kTrial), name);
+  }
+  [[noreturn]] void refuse(Column column, std::string_view name, std::string_view expected) const {
+    throw InputError(source_, place(name), expected,
+                     fmt::format("{}; {}", row_.is_null(column) ? "none" : row_.text(column), kDamageAdvice));
+  }
+
+  std::string source_;
+  Statement row_;
+  CellReader& cells_;
+};
+
+}  // namespace
+
+BriefTrials load_brief_trials(const Database& database, CellReader& cells) {
+  Reader reader(database, cells);
+  BriefTrials brief;
+  std::vector<BriefTrial>* trials = nullptr;
+  std::int64_t session = 0;
+  while (reader.step()) {
+    if (const std::int64_t next = reader.session(); !trials || next != session) {
+      session = next;
+      trials = &brief.by_session[session];
+      trials->reserve(kUsualTrials);
+    }
+    trials->push_back(reader.read());
+  }
+  const auto by_number = [](const BriefTrial& a, const BriefTrial& b) { return a.number < b.number; };
+  for (auto& [id, of_session] : brief.by_session) {
+    if (!std::is_sorted(of_session.begin(), of_session.end(), by_number))
+      std::sort(of_session.begin(), of_session.end(), by_number);
+    check_numbers(database.name(), id, of_session);
+  }
+  brief.cells = cells.cells();
+  return brief;
+}
+
+}  // namespace equilux
