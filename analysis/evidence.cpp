@@ -2,6 +2,7 @@
 #include "analysis/evidence.h"
 
 #include <algorithm>
+#include <future>
 #include <iterator>
 #include <map>
 #include <set>
@@ -12,17 +13,19 @@
 namespace equilux {
 namespace {
 
-void reserve_answers(const std::vector<Evidence>& parts, ExperimentEvidence Evidence::*experiment,
-                     std::vector<AnswerRow>& all) {
-  std::size_t count = 0;
-  for (const Evidence& part : parts) count += (part.*experiment).answers.size();
-  all.reserve(count);
-}
-
 template <typename T>
 void append(std::vector<T>& all, std::vector<T>& more) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   more = {};
+}
+
+// By far the most of what there is.
+void append_answers(std::vector<Evidence>& parts, ExperimentEvidence Evidence::*experiment,
+                    std::vector<AnswerRow>& all) {
+  std::size_t count = 0;
+  for (const Evidence& part : parts) count += (part.*experiment).answers.size();
+  all.reserve(count);
+  for (Evidence& part : parts) append(all, (part.*experiment).answers);
 }
 
 // Numbers of sessions in one log to numbers in the pool.
@@ -57,9 +60,9 @@ void check_is_new(std::map<std::string, std::string>& folders, const ExperimentE
   }
 }
 
+// All but the answers.
 void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
   append(all.finished, part.finished);
-  append(all.answers, part.answers);
   append(all.summaries, part.summaries);
   all.unfinished += part.unfinished;
   all.unanswered += part.unanswered;
@@ -138,8 +141,6 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
   if (parts.size() == 1) return std::move(parts.front());
   Evidence all;
   all.kind = parts.front().kind;
-  reserve_answers(parts, &Evidence::artifact, all.artifact.answers);
-  reserve_answers(parts, &Evidence::material, all.material.answers);
   std::int64_t next = 1;
   std::multiset<std::string> artifact_digests, material_digests;
   std::map<std::string, std::string> holders;
@@ -161,6 +162,10 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
     all.withdrawn += parts[i].withdrawn;
     for (const auto& [of, count] : parts[i].others) all.others[of] += count;
   }
+  auto beside = std::async(std::launch::async,
+                           [&] { append_answers(parts, &Evidence::material, all.material.answers); });
+  append_answers(parts, &Evidence::artifact, all.artifact.answers);
+  beside.get();
   all.artifact.digest = digest_text(fmt::format("{}", fmt::join(artifact_digests, "\n")));
   all.material.digest = digest_text(fmt::format("{}", fmt::join(material_digests, "\n")));
   return all;

@@ -97,6 +97,28 @@ void add_uncertainty(Report& report) {
   report.flipped_without_marked = find_flipped_without_marked(report);
 }
 
+ReportFiles make_table_files(const std::vector<Report>& reports) {
+  ReportFiles files;
+  const auto tables = make_report_tables(reports);
+  for (const ReportTable& table : tables) files[table.file] = format_csv(table.table);
+  files["csv-metadata.json"] = format_json(make_csv_metadata(tables));
+  files["report.json"] = format_json(make_report_json(reports));
+  return files;
+}
+
+ReportFiles make_page_files(const std::vector<Report>& reports) {
+  ReportFiles files;
+  for (const Report& report : reports) {
+    const std::string study = reports.size() > 1 ? report.study.name + "-" : "";
+    for (const Object& object : enumerate_objects(report.study)) {
+      files[fmt::format("graph-{}{}.svg", study, format_key(object))] = draw_lone_graph(
+          object, findings_of(report.findings, object), report.rule, report.study.name, report.evidence.kind);
+    }
+  }
+  files[kReportPage] = format_page(reports);
+  return files;
+}
+
 }  // namespace
 
 Report make_report(const Study& study, Evidence evidence, Rule rule, ReportSources sources,
@@ -126,8 +148,9 @@ Report make_pooled_report(const Study& study, Evidence evidence, Rule rule, Repo
   report.material_prompts = std::move(sources.material_prompts);
   report.findings = find_equivalence(study, report.artifact, report.material,
                                      report.selection ? &*report.selection : nullptr);
-  report.artifact_balance = find_balance(report.evidence.artifact);
-  report.material_balance = find_balance(report.evidence.material);
+  std::tie(report.artifact_balance, report.material_balance) =
+      both_at_once([&] { return find_balance(report.evidence.artifact); },
+                   [&] { return find_balance(report.evidence.material); });
   add_uncertainty(report);
   report.warnings = warnings;
   for (std::string& warning : find_answer_warnings(report)) report.warnings.push_back(std::move(warning));
@@ -163,19 +186,9 @@ void add_normalisation_trends(std::vector<Report>& reports) {
 }
 
 ReportFiles make_report_files(const std::vector<Report>& reports) {
-  ReportFiles files;
-  const auto tables = make_report_tables(reports);
-  for (const ReportTable& table : tables) files[table.file] = format_csv(table.table);
-  files["csv-metadata.json"] = format_json(make_csv_metadata(tables));
-  files["report.json"] = format_json(make_report_json(reports));
-  for (const Report& report : reports) {
-    const std::string study = reports.size() > 1 ? report.study.name + "-" : "";
-    for (const Object& object : enumerate_objects(report.study)) {
-      files[fmt::format("graph-{}{}.svg", study, format_key(object))] = draw_lone_graph(
-          object, findings_of(report.findings, object), report.rule, report.study.name, report.evidence.kind);
-    }
-  }
-  files[kReportPage] = format_page(reports);
+  auto [files, page] =
+      both_at_once([&] { return make_table_files(reports); }, [&] { return make_page_files(reports); });
+  files.merge(page);
   return files;
 }
 
