@@ -21,6 +21,7 @@ struct Break {
   const char* change;
   const char* message;
 };
+void PrintTo(const Break& broken, std::ostream* stream) { *stream << broken.change; }
 
 class BrokenRows : public ::testing::Test {
  protected:
@@ -135,6 +136,8 @@ struct WrongType {
   const char* change;
   const char* message;
 };
+void PrintTo(const WrongType& wrong, std::ostream* stream) { *stream << wrong.table << ": " << wrong.change; }
+
 constexpr WrongType kWrongTypes[] = {
     {"trial", "trial = 'two'", "non-INTEGER value in trial.trial"},
     {"trial", "test_side = x'6c656674'", "non-TEXT value in trial.test_side"},
