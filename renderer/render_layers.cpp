@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "renderer/cut_error.h"
 #include "renderer/reference.h"
+#include "renderer/reference_record.h"
 #include "renderer/shade.h"
 #include "renderer/stopwatch.h"
 #include "renderer/vpl.h"
@@ -66,43 +67,6 @@ class LoggedWork {
 
 Materials materials_of(const GroupJob& job, const std::string& material) {
   return make_materials(job.world, find_material(job.scene, material));
-}
-
-// For the records.
-void tell_sets(const SetMeasures& sets, Json& json) {
-  json.set("clamp", format_clamp(sets.clamp_level)).set("sets", sets.sets).set("vpls", sets.mean_vpls);
-  json.set("error_ratio", sets.error_ratio).set("cut_size", sets.mean_clusters);
-  Json check{Json::Array{}};
-  for (const RegionCheck& region : sets.regions) {
-    Json row;
-    row.set("region", region.name).set("pixels", static_cast<std::int64_t>(region.light.pixels));
-    row.set("mean", region.light.mean).set("standard_error", region.light.standard_error);
-    row.set("path_traced", region.traced.mean).set("path_traced_error", region.traced.standard_error);
-    row.set("z", region.z());
-    check.push(std::move(row));
-  }
-  json.set("check", std::move(check));
-}
-
-// Of a reference's indirect light.
-Json tell_reference(const FamilyLayers& layers) {
-  Json json;
-  json.set("method", layers.sets ? "compensated" : "path");
-  json.set("paths", layers.sets ? layers.sets->compensation_paths : layers.paths);
-  json.set("turns", layers.turns);
-  if (layers.sets) tell_sets(*layers.sets, json);
-  return json;
-}
-
-// Of its room, where that is not path traced alone.
-Json tell_room(const FamilyLayers& layers) {
-  Json json;
-  if (!layers.room) return json;
-  json.set("method", "compensated")
-      .set("paths", layers.room->compensation_paths)
-      .set("turns", layers.room_turns);
-  tell_sets(*layers.room, json);
-  return json;
 }
 
 void save_family(const GroupJob& job, const Primary& primary, const Family& family,
