@@ -15,11 +15,11 @@ namespace {
 constexpr int kWidth = 256, kHeight = 192;
 
 // Shadow rays are certain for a pair that gives this share of the mean light, rarer for the rest.
-constexpr double kRouletteShare = 4e-3;
+constexpr double kRouletteShare = .015;
 
 // The spread of what an object reflects into itself grows with this, rho_s / alpha; as it is for MS.
 constexpr float kPeakOfAllSets = 4.4f;
-constexpr int kFewestOwnSets = 16;
+constexpr int kFewestOwnSets = 32;
 
 // Even in their order along the Morton curve over pixels.
 std::vector<ShadingPoint> pick_points(const Scene& scene, const World& world, const ProofParams& params) {

@@ -13,7 +13,7 @@ namespace equilux {
 /// Points of the object, at most: each VPL set is summed at every kProofStride-th of them, turn by turn; of
 /// the VPLs that the object had a part in, few and of wide spread, other sets are made, each summed at all.
 inline constexpr int kProofPoints = 8192;
-inline constexpr int kProofStride = 32;
+inline constexpr int kProofStride = 16;
 
 struct ProofParams {
   std::string geometry = "G0";
@@ -21,7 +21,7 @@ struct ProofParams {
   int view = 0;
   int sets = 256;  ///< independent VPL sets, for all materials together
   /// Sets of which only VPLs that the object had a part in are summed, for a material whose lobe is as high
-  /// and narrow as that of MS, rho_s / alpha = 4.4; for others a part in proportion, at least 16.
+  /// and narrow as that of MS, rho_s / alpha = 4.4; for others a part in proportion, at least 32.
   int own_sets = 256;
   std::int64_t vpl_paths = 4000;  ///< particles of each set
   int camera_paths = 256;         ///< at each point

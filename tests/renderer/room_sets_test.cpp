@@ -433,7 +433,7 @@ TEST(CompensatedRoom, KnowsItsError) {
   double squares = 0, errors = 0;
   std::vector<Background> runs;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const ReferenceParams params = make_params(1, seed);
+    const ReferenceParams params = make_params(1.5, seed);
     const BackgroundPlan plan = plan_background(stage.world, stage.primary, params, test::no_progress());
     ASSERT_TRUE(plan.by_sets);
     runs.push_back(std::move(trace_planned_backgrounds(stage.room(), plan, params, test::no_progress())[0]));
