@@ -24,7 +24,7 @@ class Below {
     }
   }
 
-  /// value % count. The reciprocal lies less than 1 below 2^64 / count, so that the quotient is right or one
+  /// value % count. The reciprocal lies at most 1 below 2^64 / count, so that the quotient is right or one
   /// too small.
   std::uint64_t find_remainder(std::uint64_t value) const {
     const auto product = static_cast<unsigned __int128>(value) * reciprocal_;

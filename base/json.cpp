@@ -402,8 +402,10 @@ std::string describe_json(const Json& value) {
   if (value.is_null()) return "null";
   if (value.is_array()) return fmt::format("an array of {} elements", value.as_array().size());
   if (value.is_object()) return fmt::format("an object of {} members", value.as_object().size());
-  if (value.is_string() && value.as_string().size() > 60)
-    return fmt::format("\"{}...\"", value.as_string().substr(0, 60));
+  if (value.is_string() && value.as_string().size() > 60) {
+    std::string beginning = write(Json(value.as_string().substr(0, 60)), std::nullopt);
+    return beginning.insert(beginning.size() - 1, "...");
+  }
   return write(value, std::nullopt);
 }
 

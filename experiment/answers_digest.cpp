@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/digest.h"
+#include "base/error.h"
 #include "experiment/trial_log.h"
 #include "protocols/cell_numbers.h"
 
@@ -44,7 +45,8 @@ std::string AnswersDigest::finish(const std::vector<Cell>& cells) {
   std::size_t size = 0;
   for (std::size_t i = 0; i < by_cell_.size(); ++i) {
     if (by_cell_[i].empty()) continue;
-    const auto entry = by_key.emplace(format_key(cells[i]), &by_cell_[i]).first;
+    const auto [entry, is_new] = by_key.emplace(format_key(cells[i]), &by_cell_[i]);
+    EQ_CHECK(is_new, entry->first);
     size += by_cell_[i].size() * (entry->first.size() + kUsualRest);
   }
   std::string text;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
 
@@ -107,8 +108,13 @@ class Reader {
     return fmt::format("session {}, trial {}: {}", session(), row_.integer(kTrial), name);
   }
   [[noreturn]] void refuse(Column column, std::string_view name, std::string_view expected) const {
-    throw InputError(source_, place(name), expected,
-                     fmt::format("{}; {}", row_.is_null(column) ? "none" : row_.text(column), kDamageAdvice));
+    throw InputError(source_, place(name), expected, fmt::format("{}; {}", show(column), kDamageAdvice));
+  }
+  // Texts escaped and cut short: they may hold anything.
+  std::string show(Column column) const {
+    if (row_.is_null(column)) return "none";
+    if (column == kTrial || column == kResponseTime || column == kTooFast) return row_.text(column);
+    return describe_json(Json(row_.text(column)));
   }
 
   std::string source_;

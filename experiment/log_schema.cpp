@@ -88,12 +88,20 @@ void require_ok(const Database& database, const std::string& pragma) {
     refuse_damaged(database, result);
 }
 
+// Another program may have written a table anew that takes values of any type, which its CHECKs alone refuse.
+bool are_strict(const Database& database) {
+  return load_integer(database,
+                      "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND strict = 1"
+                      " AND name IN ('trial', 'event')") == 2;
+}
+
 // Of the two tables with rows by the thousand the one is left to load_brief_trials, and the other has a
 // single CHECK, which is asked here: quick_check would go through its rows once more.
 void check_tables(const Database& database) {
   database.execute("PRAGMA ignore_check_constraints = ON");
-  require_ok(database, "quick_check(1)");
+  const std::string result = ask_check(database, "quick_check(1)");
   database.execute("PRAGMA ignore_check_constraints = OFF");
+  if (result != "ok") refuse_damaged(database, result);
   for (const char* table : {"log", "participant", "session", "field"})
     require_ok(database, fmt::format("quick_check({})", table));
   if (Statement(database, "SELECT 1 FROM event NOT INDEXED WHERE kind = ''").step())
@@ -103,7 +111,7 @@ void check_tables(const Database& database) {
 // Rows are read through indexes too, so that one that lacks an entry would hide an answer. The rows of an
 // older schema are read to be written anew, which asks for whole ones.
 void check_is_whole(const Database& database, LogCheck check) {
-  if (check == LogCheck::kTables && load_version(database) == kLogSchemaVersion) {
+  if (check == LogCheck::kTables && load_version(database) == kLogSchemaVersion && are_strict(database)) {
     check_tables(database);
   } else {
     require_ok(database, check == LogCheck::kWhole ? "integrity_check(1)" : "quick_check(1)");

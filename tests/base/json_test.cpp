@@ -193,6 +193,8 @@ TEST(DescribeJson, IsShortEnoughForAMessage) {
   EXPECT_EQ(describe_json(parse_json("[1,2,3,4]", "a")), "an array of 4 elements");
   EXPECT_EQ(describe_json(parse_json("{\"a\":1}", "a")), "an object of 1 members");
   EXPECT_LT(describe_json(Json(std::string(4000, 'x'))).size(), 80u);
+  EXPECT_EQ(describe_json(Json(std::string(61, 'x'))), "\"" + std::string(60, 'x') + "...\"");
+  EXPECT_EQ(describe_json(Json(std::string(4000, '\x1b'))).find('\x1b'), std::string::npos);
 }
 
 TEST(LoadJson, NamesTheFileForEveryKindOfFailure) {

@@ -79,11 +79,13 @@ constexpr Break kTrialBreaks[] = {
     {"trial = -1",
      "session 1, trial -1: trial: expected its place in the order of showing: 0, 1, ..., got -1"},
     {"trial = trial + 4294967296", "session 1, trial 4294967298: trial: expected its place"},
-    {"phase = 'warm-up'", "session 1, trial 2: phase: expected practice, main or catch, got warm-up"},
-    {"phase = ''", "trial 2: phase: expected practice, main or catch, got ;"},
+    {"phase = 'warm-up'", "session 1, trial 2: phase: expected practice, main or catch, got \"warm-up\""},
+    {"phase = ''", "trial 2: phase: expected practice, main or catch, got \"\";"},
+    {"phase = 'main' || char(0, 27) || hex(zeroblob(99))",
+     "trial 2: phase: expected practice, main or catch, got \"main\\u0000\\u001b000"},
     {"cell = 'G1'", "session 1, trial 2: cell: expected"},
-    {"test_side = 'up'", "session 1, trial 2: test_side: expected left or right, got up"},
-    {"answer = 'LEFT'", "session 1, trial 2: answer: expected left or right, got LEFT"},
+    {"test_side = 'up'", "session 1, trial 2: test_side: expected left or right, got \"up\""},
+    {"answer = 'LEFT'", "session 1, trial 2: answer: expected left or right, got \"LEFT\""},
     {"response_time_ns = 0", "session 1, trial 2: response_time_ns: expected more than 0, got 0"},
     {"response_time_ns = -5", "session 1, trial 2: response_time_ns: expected more than 0, got -5"},
     {"response_time_ns = NULL", "trial 2: response_time_ns: expected one where there is an answer"},
@@ -162,6 +164,23 @@ TEST_P(WrongTypes, AreRefusedInColumnsThatNobodyReadsToo) {
   expect_refused({wrong.change, wrong.message});
 }
 INSTANTIATE_TEST_SUITE_P(Each, WrongTypes, ::testing::ValuesIn(kWrongTypes));
+
+// As a program leaves it that writes a table anew without STRICT.
+TEST_F(BrokenRows, OfATableThatTakesAnyTypeAreRefusedByItsChecks) {
+  for (const char* change_one : {"too_fast = 0.5", "too_fast = 'x'", "phase = x'6d61696e'"}) {
+    const std::filesystem::path copy = folder_.path() / "loose.sqlite";
+    std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
+    RawDatabase loose(copy);
+    loose.query(
+        "PRAGMA ignore_check_constraints = ON; PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql ="
+        " replace(sql, ') STRICT', ')') WHERE type = 'table' AND name = 'trial'");
+    RawDatabase(copy).query(std::string("PRAGMA ignore_check_constraints = ON; UPDATE trial SET ") +
+                            change_one + " WHERE session = 1 AND trial = 2");
+    EXPECT_THAT(message_of<InputError>([&] { TrialLog::load_snapshot(copy, LogCheck::kTables); }),
+                HasSubstr("CHECK constraint failed in trial"))
+        << change_one;
+  }
+}
 
 TEST_F(BrokenRows, ATrialThatIsNotThereIsNamed) {
   change("DELETE FROM trial WHERE session = 1 AND trial = 3");
