@@ -1,12 +1,18 @@
 #include "renderer/cut_groups.h"
 
+#include <algorithm>
+
 namespace equilux {
 
-std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points, std::size_t most) {
+std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points, std::size_t most,
+                                     std::size_t neighbours) {
+  const std::size_t fill = neighbours > 0 ? std::min(neighbours, most) : most;
   std::vector<PointRange> groups;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (groups.empty() || points[i].pixel != points[groups.back().first].pixel || groups.back().count == most)
-      groups.push_back({i, 0});
+    const auto is_apart = [&](const PointRange& group) {
+      return neighbours == 0 && points[i].pixel != points[group.first].pixel;
+    };
+    if (groups.empty() || groups.back().count == fill || is_apart(groups.back())) groups.push_back({i, 0});
     ++groups.back().count;
   }
   return groups;

@@ -15,8 +15,9 @@ struct PointRange {
   std::size_t first = 0, count = 0;
 };
 
-/// Samples of a pixel that follow one another, at most `most` in a range.
-std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points, std::size_t most);
+/// Samples of a pixel that follow one another, at most `most` in a range; or so many neighbours, if not 0.
+std::vector<PointRange> group_points(const std::vector<ShadingPoint>& points, std::size_t most,
+                                     std::size_t neighbours);
 
 /// Clusters that hold all VPLs: the tree's first level of at least 256, leaves above it included, or all
 /// leaves. Cuts that start higher err by too much where few clusters hold all light.

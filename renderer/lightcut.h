@@ -19,6 +19,9 @@ struct LightcutParams {
   /// False: the totals of the rule are those of `base` alone, so that the cut does not depend on the
   /// representatives and the expectation over tree seeds is exactly the sum.
   bool adaptive = true;
+  /// So many points that follow one another walk the tree together, whatever their pixels, at most sixteen;
+  /// 0: those of one pixel. Where `adaptive` is false each has the cut that it has alone.
+  std::size_t neighbours = 0;
   std::function<void(double)> progress = {};  ///< told points done, from any thread
   /// Told every shadow ray, packet by packet, from any thread. Of `valid` lanes alone.
   std::function<void(const PointPacket& from, const PointPacket& to, std::uint32_t valid)> watch_rays = {};
@@ -39,10 +42,10 @@ inline constexpr std::size_t kMostMaterials = 16;
 /// with the totals that the cut itself gives. No cut is too large. A cluster's light is its representative's,
 /// scaled by the cluster's weight over the representative's: its expectation over tree seeds is the sum, but
 /// for what totals that depend on the representatives do. Points of one pixel that follow one another, up to
-/// sixteen, walk the tree together, each with a cut of its own. The materials share cuts, at most
-/// kMostMaterials: light of one then depends, within the rule, on what else was asked for. A pixel's first
-/// thresholds come from the pixel before it in its run of kCutBlock. source: Walter et al., "Lightcuts: a
-/// scalable approach to illumination", SIGGRAPH 2005.
+/// sixteen, or so many neighbours as are asked for, walk the tree together, each with a cut of its own. The
+/// materials share cuts, at most kMostMaterials: light of one then depends, within the rule, on what else was
+/// asked for. A pixel's first thresholds come from the pixel before it in its run of kCutBlock. source:
+/// Walter et al., "Lightcuts: a scalable approach to illumination", SIGGRAPH 2005.
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
                             const LightTree& tree, const std::vector<Material>& materials,
                             const std::vector<double>& clamps_per_m2, const LightcutParams& params,

@@ -1,4 +1,4 @@
-// The fast lightcut: the samples of a pixel walk the tree together, each with a cut of its own. Sixteen lanes
+// The fast lightcut: the samples of a pixel, or neighbours, walk the tree together, each with a cut of its own. Sixteen lanes
 // are S samples by 16 / S nodes or lights; lane = slot x S + sample. A sample at which a node keeps the rule
 // stays behind where others go on: it goes down with the children that have the node's representative, to be
 // lit by the ray that others ask for there, and asks for none itself.
@@ -465,7 +465,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
     std::vector<float> clamps(clamps_per_m2.begin(), clamps_per_m2.end());
     CutJob job{world, points, tree, materials, {}, {}, true, clamps, clamps_per_m2.size(), params, top};
     for (const Material& material : materials) add_material(material, job);
-    const std::vector<PointRange> groups = group_points(points, kLanes);
+    const std::vector<PointRange> groups = group_points(points, kLanes, params.neighbours);
     for_each_parallel((groups.size() + kCutBlock - 1) / kCutBlock, [&](std::size_t block) {
       const std::size_t first = block * kCutBlock, last = std::min(groups.size(), first + kCutBlock);
       Cuts cuts(job);

@@ -92,7 +92,7 @@ class RoomTracer {
       CutRecord record;
       const ShadedPoints shaded =
           shade_lightcut(scene_.world, group.points, tree, {group.material}, {params_.clamp_per_m2},
-                         {params_.error_ratio, params_.floor, &group.totals, false}, &record);
+                         {params_.error_ratio, params_.floor, &group.totals, false, kNeighbours}, &record);
       add_to_layer(shaded, 0, 0, group.points, 1, layer);
       sizes = std::accumulate(record.sizes.begin(), record.sizes.end(), sizes);
       points += static_cast<double>(record.sizes.size());

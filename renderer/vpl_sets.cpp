@@ -67,8 +67,8 @@ class SetTracer {
     std::vector<HdrImage> layers;
     for (std::size_t object = 0; object < count_objects(); ++object) {
       PositionPoints& part = at(object, set % positions_);
-      const ShadedPoints shaded =
-          cut(object, part.points, tree, {params_.error_ratio, params_.floor, &part.totals, false});
+      const ShadedPoints shaded = cut(object, part.points, tree,
+                                      {params_.error_ratio, params_.floor, &part.totals, false, kNeighbours});
       layers.push_back(make_black());
       add_to_layer(shaded, 0, 0, part.points, 1, layers.back());
       part.sums.add(layers.back());

@@ -22,6 +22,9 @@ struct VplSetsParams {
   std::vector<int> regions = {};
 };
 
+/// Points of a set that walk its tree together: one ray a pixel, so that neighbours' run side by side.
+inline constexpr std::size_t kNeighbours = 16;
+
 struct VplSets {
   int sets = 0;
   std::vector<TracedLayer>

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "renderer/cut_groups.h"
 #include "renderer/isa.h"
 #include "tests/renderer/cafe_lights.h"
 #include "tests/support/statistics.h"
@@ -265,6 +266,42 @@ TEST(Lightcuts, OfSamplesOfAPixelAreThoseOfEachAlone) {
     }
   }
   fix_isa(before);
+}
+
+// Points of a picture, each in a pixel of its own, as a set sees them.
+TEST(Lightcuts, OfNeighboursAreThoseOfEachAlone) {
+  const Cafe cafe("G2", 130, 3000, Emission::kLambertian, {"GS"});
+  const LightTree tree = make_light_tree(cafe.vpls, {1, 4});
+  const std::vector<double> clamp{clamp_per_m2(5)};
+  const ShadedPoints base = cafe.sum(clamp);
+  const auto cut = [&](std::size_t neighbours, CutRecord& record) {
+    return shade_lightcut(cafe.world, cafe.points, tree, cafe.materials, clamp,
+                          {0.01, 1e-5, &base, false, neighbours}, &record);
+  };
+  CutRecord alone, together;
+  const ShadedPoints one = cut(0, alone), all = cut(16, together);
+  ASSERT_GT(one.points, 16u);
+  EXPECT_EQ(alone.sizes, together.sizes);
+  EXPECT_EQ(alone.shadow_rays, together.shadow_rays);
+  for (std::size_t i = 0; i < one.radiance.size(); ++i) {
+    const double light = luminance(one.radiance[i]);
+    EXPECT_NEAR(luminance(all.radiance[i]), light, 1e-5 * light) << i;
+  }
+}
+
+TEST(CutGroups, AreThePixelsSamplesOrSoManyNeighbours) {
+  std::vector<ShadingPoint> points(23);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].pixel = static_cast<std::uint32_t>(i / 2);
+  const auto counts = [&](std::size_t most, std::size_t neighbours) {
+    std::vector<std::size_t> found;
+    for (const PointRange& group : group_points(points, most, neighbours)) found.push_back(group.count);
+    return found;
+  };
+  EXPECT_EQ(counts(16, 0), (std::vector<std::size_t>{2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 1}));
+  EXPECT_EQ(counts(1, 0), std::vector<std::size_t>(23, 1));
+  EXPECT_EQ(counts(16, 16), (std::vector<std::size_t>{16, 7}));
+  EXPECT_EQ(counts(16, 9), (std::vector<std::size_t>{9, 9, 5}));
+  EXPECT_EQ(counts(16, 40), (std::vector<std::size_t>{16, 7}));
 }
 
 // One rule for all materials: as good for each as a cut of its own, and shorter than all those together.
