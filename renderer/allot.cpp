@@ -76,10 +76,11 @@ class KindBlur {
   std::vector<double> sum_boxes(const std::vector<double>& values, int radius) const {
     std::vector<double> rows(values.size()), sums(values.size());
     for (int y = top_; y <= bottom_; ++y) {
-      for (int x = left_; x <= right_; ++x) {
-        double& sum = rows[index_of(x, y)];
-        for (int j = std::max(left_, x - radius); j <= std::min(right_, x + radius); ++j)
-          sum += values[index_of(j, y)];
+      // Term by term for a whole line, so that a line's sums are made side by side.
+      for (int step = -radius; step <= radius; ++step) {
+        const int last = std::min(right_, right_ - step);
+        for (int x = std::max(left_, left_ - step); x <= last; ++x)
+          rows[index_of(x, y)] += values[index_of(x + step, y)];
       }
     }
     for (int y = top_; y <= bottom_; ++y) {
@@ -155,6 +156,19 @@ std::vector<double> spend(const std::vector<PixelError>& errors, double mean_tar
 
 std::uint32_t share_of(double paths, double error, double sum) {
   return sum > 0 ? static_cast<std::uint32_t>(std::ceil(std::max(1.0, paths * error / sum))) : 1;
+}
+
+// Beside sets few paths will do on an object, of which rounding up would make half as many again or twice as
+// many: so neighbours are rounded up and down, as many as leave the mean error, in 1 / sqrt(paths), what it
+// would be. 1 / the golden ratio spreads them evenly along a line.
+std::uint32_t dither(double paths, double error, double sum, std::size_t place) {
+  if (!(sum > 0)) return 1;
+  const double wanted = std::max(1.0, paths * error / sum), least = std::floor(wanted);
+  const auto err = [](double of) { return 1 / std::sqrt(of); };
+  const double up = (err(least) - err(wanted)) / (err(least) - err(least + 1));
+  constexpr double kSpread = 0.6180339887498949;
+  const double turn = kSpread * static_cast<double>(place);
+  return static_cast<std::uint32_t>(least) + (turn - std::floor(turn) < up ? 1u : 0u);
 }
 
 // Pixels of one kind that were not seen, from the nearest that were.
@@ -314,9 +328,13 @@ PathMaps allot_paths(const LayerErrors& errors, const HdrImage& coverage, int po
                            : spend(sums, kMarginOfMean * target.outside_mean, 0, count_most_paths(positions));
     for (std::size_t j = 0; j < members.size(); ++j) {
       const std::size_t i = members[j];
-      maps.background[i] = share_of(paths[j], background[i], sums[j].of_paths);
-      maps.direct[i] = share_of(paths[j], direct[i], sums[j].of_paths);
-      maps.indirect[i] = share_of(paths[j], indirect[i], sums[j].of_paths);
+      const auto round = [&](double error) {
+        return object && !given.empty() ? dither(paths[j], error, sums[j].of_paths, j)
+                                        : share_of(paths[j], error, sums[j].of_paths);
+      };
+      maps.background[i] = round(background[i]);
+      maps.direct[i] = round(direct[i]);
+      maps.indirect[i] = round(indirect[i]);
     }
   }
   return maps;

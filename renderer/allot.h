@@ -73,8 +73,8 @@ struct LayerErrors {
 /// The fewest paths that are foreseen to meet the target in display steps. The mean of S / sqrt(N), S being a
 /// pixel's standard error for one path a batch as displayed, is least for a given sum of N where N grows as
 /// S^(2/3); the 99th percentile sets a lower bound that grows as S^2; a pixel's layers share N in
-/// proportion to their own errors. A given error is met in quadrature. A target out of reach stops at
-/// kMostPathsAPixel.
+/// proportion to their own errors. A given error is met in quadrature, and N then rounded up and down on the
+/// object, else up. A target out of reach stops at kMostPathsAPixel.
 PathMaps allot_paths(const LayerErrors& errors, const HdrImage& coverage, int positions,
                      const NoiseTarget& target);
 

@@ -127,20 +127,37 @@ class CompensatedTracer {
     return traced;
   }
 
-  CompensatedObject render(const SetPlan& plan, std::uint32_t least_paths) const {
-    PathMaps maps =
-        allot_paths({background_errors_, direct_errors_, plan.compensation_errors, plan.set_errors},
-                    coverage_, scene_.primary.positions, params_.target);
-    const PathMap none = make_even_map(maps.direct, 0);
-    maps.background = none;
+  // Paths beside sets that err by so much.
+  PathMaps allot_beside(const SetPlan& plan, const std::vector<double>& set_errors,
+                        std::uint32_t least_paths) const {
+    PathMaps maps = allot_paths({background_errors_, direct_errors_, plan.compensation_errors, set_errors},
+                                coverage_, scene_.primary.positions, params_.target);
+    maps.background = make_even_map(maps.direct, 0);
     for (std::uint32_t& of_pixel : maps.indirect) of_pixel = std::max(of_pixel, least_paths);
-    const double paths = count_paths(scene_.primary, maps);
-    progress_.expect_more(plan.sets_cost + paths);
-    TracedLayers direct = trace_layers(scene_, {none, maps.direct, none}, params_.seed, params_.stream_name,
-                                       params_.measures, progress_.advance);
-    TracedLayer returned = std::move(compensate(maps.indirect, {clamp_per_m2(plan.clamp_level)}, "")[0]);
+    return maps;
+  }
+
+  // The paths know what the sets before them err by, and are none the less unbiased: whatever these are,
+  // their own light is as expected. Where sets miss so far that paths would cost more than another turn, they
+  // are as many as were foreseen.
+  PathMaps allot_after(const SetPlan& plan, const TracedLayer& sets, std::uint32_t least_paths) const {
+    const PathMaps foreseen = allot_beside(plan, plan.set_errors, least_paths);
+    PathMaps maps =
+        allot_beside(plan, view_.find_errors(sets, make_even_map(foreseen.direct, 1)), least_paths);
+    const double most = plan.sets_cost + 2 * count_paths(scene_.primary, foreseen);
+    return count_paths(scene_.primary, maps) <= most ? maps : foreseen;
+  }
+
+  CompensatedObject render(const SetPlan& plan, std::uint32_t least_paths) const {
+    progress_.expect_more(plan.sets_cost);
     const std::vector<int> regions = find_regions(coverage_, pilot_.seen);
     VplSets sets = trace_sets(plan, regions);
+    const PathMaps maps = allot_after(plan, sets.layers[0], least_paths);
+    const double paths = count_paths(scene_.primary, maps);
+    progress_.expect_more(paths);
+    TracedLayers direct = trace_layers(scene_, {maps.background, maps.direct, maps.background}, params_.seed,
+                                       params_.stream_name, params_.measures, progress_.advance);
+    TracedLayer returned = std::move(compensate(maps.indirect, {clamp_per_m2(plan.clamp_level)}, "")[0]);
     CompensatedObject object;
     object.measures = {plan.clamp_level,
                        sets.sets,

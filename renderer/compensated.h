@@ -25,8 +25,9 @@ struct CompensatedObject {
 };
 
 /// Of a scene with one object. Empty where path tracing is foreseen to cost less. The layers are unbiased:
-/// what is chosen by pilots is independent of what is then rendered, and no cut depends on its own
-/// representatives. VPLs emit by the diffuse part. errors: as trace_layers and trace_vpl_sets
+/// what is chosen by pilots is independent of what is then rendered, no cut depends on its own
+/// representatives, and paths whose number goes by what the sets err by have random numbers of their own.
+/// VPLs emit by the diffuse part. errors: as trace_layers and trace_vpl_sets
 std::optional<CompensatedObject> trace_compensated(const FamilyScene& scene, const ObjectPilot& pilot,
                                                    const ReferenceParams& params,
                                                    const FamilyProgress& progress);

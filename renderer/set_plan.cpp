@@ -22,15 +22,18 @@ double cost_of_compensation(int level) { return 0.4 + 0.07 * level; }
 
 // The small sets: trees of each, at points of one subpixel position, of so many VPLs a point that the camera
 // sees there.
-constexpr std::size_t kPilotSets = 4, kPilotTrees = 2;
-constexpr std::size_t kPilotPoints = 512;
-constexpr double kPilotVplsPerPoint = 4, kFewestPilotVpls = 10000, kMostPilotVpls = 100000;
+constexpr std::size_t kPilotSets = 8, kPilotTrees = 2;
+constexpr std::size_t kPilotPoints = 256;
+constexpr double kPilotVplsPerPoint = 2, kFewestPilotVpls = 10000, kMostPilotVpls = 50000;
 constexpr double kPilotRatio = 0.01;
 
 // How what is measured there goes on: sizes of cuts and what representatives err by, over the number of VPLs
 // and the ratio; fitted to three objects of the café, 100k to 1M VPLs, .25 to 5 %.
 constexpr double kSizeByVpls = 0.11, kSizeByRatio = -0.65;
 constexpr double kVarianceByVpls = 0.3, kVarianceByRatio = 1.4;
+// What VPLs err by is a difference of two spreads, of sets and of trees, each known to a third or so: this
+// share of the larger one is the least, lest sets of very few VPLs be taken and miss the target.
+constexpr double kLeastOfVpls = 0.25;
 
 // What may be chosen.
 constexpr double kRatios[] = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16};
@@ -292,7 +295,8 @@ class SetPilotTracer {
           std::max(candidates_[level].p99_over_mean,
                    nearest_rank(std::move(spreads), 0.99) / mean_spread / kPercentileOfPilot);
     candidates_[level].cut_variance = within / light;
-    candidates_[level].vpl_variance = std::max(0.0, between / light - within / light / kPilotTrees);
+    candidates_[level].vpl_variance =
+        std::max(kLeastOfVpls * between, between - within / kPilotTrees) / light;
   }
 
   double size_of(std::size_t pixel, const std::array<double, 3>& variance) const {

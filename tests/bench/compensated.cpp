@@ -1,5 +1,5 @@
-// Time to equal error of references by VPL sets and compensation against path tracing; prints a Markdown
-// table.
+// Processor time to equal error of references by VPL sets and compensation against path tracing; prints a
+// Markdown table.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "renderer/reference.h"
-#include "tests/bench/bench.h"
+#include "renderer/stopwatch.h"
 
 namespace {
 
@@ -23,8 +23,8 @@ struct Options {
 struct Outcome {
   FamilyLayers layers;
   DisplayNoise noise;
-  double seconds = 0;
-  double rms = 0;  // standard error of the object's indirect and direct light over that light
+  double seconds = 0;  // of processors
+  double rms = 0;      // standard error of the object's indirect and direct light over that light
 };
 
 // Where the object fills its pixel, of its light; without the worst thousandth of the pixels: one rare bright
@@ -80,8 +80,9 @@ void print_row(const Scene& scene, const std::string& key, const Options& option
     const double mean = method == ReferenceMethod::kPath ? options.of_paths : options.object_mean;
     params.target = {mean, 3 * mean, 4};
     Outcome outcome;
-    outcome.seconds =
-        bench::time_s([&] { outcome.layers = trace_object(family, plan, room[0], params, progress); });
+    const double start = measure_processor_seconds();
+    outcome.layers = trace_object(family, plan, room[0], params, progress);
+    outcome.seconds = measure_processor_seconds() - start;
     const HdrImage reference =
         composite({&outcome.layers.background, &outcome.layers.direct, &outcome.layers.indirect});
     outcome.noise = measure_display_noise(reference, outcome.layers.standard_error, coverage,

@@ -246,6 +246,32 @@ TEST(ForeseenPaths, MeetTheMeanInQuadrature) {
   for (const double of_pixel : paths) EXPECT_NEAR(std::hypot(0.6, 12 / std::sqrt(of_pixel)), 0.97, 1e-6);
 }
 
+// One and a half are wanted. Beside sets some pixels take one path a batch and the others two, as many as err
+// by as much as one and a half each would: a share p with 1 - p + p / sqrt(2) = 1 / sqrt(1.5). Without sets
+// all are rounded up.
+TEST(AllottedPaths, AreRoundedUpAndDownBesideSets) {
+  HdrImage coverage(40, 40, 1);
+  std::fill(coverage.values.begin(), coverage.values.end(), 1.0f);
+  const std::size_t pixels = coverage.pixel_count();
+  const double given = 0.6, wanted = 1.5, of_paths = std::sqrt(wanted * (0.97 * 0.97 - given * given));
+  const std::vector<double> none(pixels), errors(pixels, of_paths);
+  const NoiseTarget target{1, 1000, 1};
+  const auto allot = [&](std::vector<double> sets) {
+    return allot_paths({none, none, errors, std::move(sets)}, coverage, 4, target).indirect;
+  };
+  double sum = 0, error = 0;
+  for (const std::uint32_t paths : allot(std::vector<double>(pixels, given))) {
+    EXPECT_TRUE(paths == 1 || paths == 2) << paths;
+    sum += paths;
+    error += std::hypot(given, of_paths / std::sqrt(paths)) / static_cast<double>(pixels);
+  }
+  EXPECT_NEAR(sum / static_cast<double>(pixels), 1 + (1 - std::sqrt(1 / 1.5)) / (1 - std::sqrt(0.5)), 0.01);
+  EXPECT_NEAR(error, 0.97, 0.01);
+  const std::vector<double> without(pixels, std::sqrt(wanted) * 0.97);
+  for (const std::uint32_t paths : allot_paths({none, none, without}, coverage, 4, target).indirect)
+    EXPECT_EQ(paths, 2u);
+}
+
 TEST(RegionChecks, CountDifferencesInStandardErrors) {
   const RegionCheck check{"r1c1", {5, 0.3, 10}, {4, 0.4, 10}};
   EXPECT_DOUBLE_EQ(check.z(), 2);
