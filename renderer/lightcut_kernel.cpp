@@ -1,7 +1,7 @@
-// The fast lightcut: the samples of a pixel, or neighbours, walk the tree together, each with a cut of its own. Sixteen lanes
-// are S samples by 16 / S nodes or lights; lane = slot x S + sample. A sample at which a node keeps the rule
-// stays behind where others go on: it goes down with the children that have the node's representative, to be
-// lit by the ray that others ask for there, and asks for none itself.
+// The fast lightcut: the samples of a pixel, or neighbours, walk the tree together, each with a cut of its
+// own. Sixteen lanes are S samples by 16 / S nodes or lights; lane = slot x S + sample. A sample at which a
+// node keeps the rule stays behind where others go on: it goes down with the children that have the node's
+// representative, to be lit by the ray that others ask for there, and asks for none itself.
 #include <algorithm>
 #include <atomic>
 #include <bit>
