@@ -72,7 +72,7 @@ std::string name_of(const testing::TestParamInfo<ProofCase>& row) { return row.p
 const std::vector<const char*> kStudyMaterials{"LG", "GS", "BR", "MR", "BS", "MS"};
 INSTANTIATE_TEST_SUITE_P(StudyMaterials, ProofRoom,
                          testing::Values(ProofCase{"G0", 64, kStudyMaterials},
-                                         ProofCase{"G1", 512, kStudyMaterials},
+                                         ProofCase{"G1", 1536, kStudyMaterials},
                                          ProofCase{"G2", 1280, kStudyMaterials},
                                          ProofCase{"G3", 6144, kStudyMaterials, .006}),
                          name_of);
