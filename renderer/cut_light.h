@@ -3,6 +3,7 @@
 
 #include "renderer/cut_job.h"
 #include "renderer/cut_members.h"
+#include "renderer/cut_roulette.h"
 #include "renderer/lane_rays.h"
 
 // After all other headers.
@@ -19,7 +20,14 @@ class MemberLight {
   static constexpr std::size_t kSlots = kLanes / S;
 
   explicit MemberLight(const CutJob& job)
-      : job_(job), list_(job.tree.vpls), queue_(job.world, S > 1, job.params.watch_rays) {}
+      : job_(job),
+        list_(job.tree.vpls),
+        queue_(job.world, S > 1, job.params.watch_rays),
+        with_roulette_(job.params.roulette.share > 0),
+        roulette_(job.params.roulette.share, job.params.floor) {}
+
+  // For the next points, where there is roulette. As RayRoulette::start; `totals`: of each material and level
+  void start(const std::vector<Floats>& totals, Floats starts) { roulette_.start(totals, starts); }
 
   // Of those from `first` on. What lies behind the last one is overwritten.
   void shade(const GroupPoints& points, Members<S>& members, std::size_t first) {
@@ -49,7 +57,7 @@ class MemberLight {
   EQ_INLINE void prefetch(std::uint32_t vpl) const { __builtin_prefetch(&list_.vpls[vpl]); }
 
   // All but whether there is something between.
-  void face(const GroupPoints& points, const Members<S>& members, std::size_t first, std::size_t count,
+  void face(const GroupPoints& points, Members<S>& members, std::size_t first, std::size_t count,
             Sight& sight) {
     std::array<const float*, kSlots> places, lights;
     for (std::size_t slot = 0; slot < kSlots; ++slot) {
@@ -75,16 +83,52 @@ class MemberLight {
         (sight.r2 > 0.0f) & (sight.cos_l > 0.0f) & (dot(points.ng, l) > 0.0f) & (cos_vpl > 0.0f);
     const std::uint32_t slots = count < kSlots ? (1u << (count * S)) - 1u : 0xffffu;
     sight.faced = lane_mask(faced & ((whole > 0.0f) | (whole < 0.0f))) & slots;
-    queue_.push(points.origins, p + ng * epsilon, sight.faced);
     sight.l = l;
     const Floats3 h = to_local(points.lanes.shading, l) + points.lanes.v;
     sight.half = make_half_vector(h.x, h.y, h.z);
     sight.light = intensity * (scale * cos_vpl);
+    if (with_roulette_) {
+      show(points, members, first, count, sight, sight.faced);
+      sight.faced = draw(members, first, sight.faced);
+    }
+    queue_.push(points.origins, p + ng * epsilon, sight.faced);
   }
 
   void light(const GroupPoints& points, Members<S>& members, std::size_t first, std::size_t count,
              Sight& sight) {
     const std::uint32_t visible = queue_.take(sight.faced);
+    if (!with_roulette_) return show(points, members, first, count, sight, visible);
+    for (std::size_t m = 0; m < job_.materials.size(); ++m) {
+      float* peak = members.at(first, members.peak_of(m));
+      store(peak, select(from_lane_mask(visible), load(peak), zeros()));
+    }
+  }
+
+  // Of `lanes` those whose rays are traced; their light then stands for that of others.
+  std::uint32_t draw(Members<S>& members, std::size_t first, std::uint32_t lanes) {
+    Floats share = zeros();
+    for (std::size_t m = 0; m < job_.materials.size(); ++m) {
+      const Floats peak = load(members.at(first, members.peak_of(m)));
+      const Floats y = luminance({load(members.at(first, members.light_of(m, 0))),
+                                  load(members.at(first, members.light_of(m, 1))),
+                                  load(members.at(first, members.light_of(m, 2)))});
+      for (std::size_t level = 0; level < job_.levels; ++level)
+        share = max(share, roulette_.find_share(m * job_.levels + level,
+                                                y * min(broadcast(job_.clamps_per_m2[level]), peak)));
+    }
+    const Floats weight = roulette_.draw(select(from_lane_mask(lanes), share, zeros()));
+    for (std::size_t m = 0; m < (job_.grey ? 1 : job_.materials.size()); ++m) {
+      for (std::size_t channel = 0; channel < 3; ++channel) {
+        float* light = members.at(first, members.light_of(m, channel));
+        store(light, load(light) * weight);
+      }
+    }
+    return lane_mask(weight > 0.0f);
+  }
+
+  // As if nothing stood between `visible` lanes and their VPLs, and something between the others'.
+  void show(const GroupPoints& points, Members<S>& members, std::size_t first, std::size_t count,
+            Sight& sight, std::uint32_t visible) const {
     sight.seen = from_lane_mask(visible);
     sight.light = select(sight.seen, sight.light, splat({}));
     if (visible != 0 && !list_.gloss.empty()) add_gloss(members, first, count, sight);
@@ -134,6 +178,8 @@ class MemberLight {
   const VplList& list_;
   std::array<Sight, RayQueue::kMostPackets> sights_;
   RayQueue queue_;
+  bool with_roulette_;
+  RayRoulette roulette_;
 };
 
 }  // namespace equilux::EQ_ISA

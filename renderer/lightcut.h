@@ -1,6 +1,7 @@
 // Light of millions of VPLs at points of the object by cuts through a light tree, all clamp levels in one.
 #pragma once
 
+#include "base/random.h"
 #include "renderer/cluster_bound.h"
 #include "renderer/light_tree.h"
 #include "renderer/shade.h"
@@ -10,6 +11,14 @@ namespace equilux {
 /// A point's total by what is displayed of it, below which nobody sees what a cut lacks. units: steps of 255,
 /// where they are darkest
 inline constexpr double kFloorSteps = 0.25;
+
+/// Shadow rays for a part of a cut's members only: a member whose light, if nothing stood between, were under
+/// `share` of the point's total at every level and material takes its ray with a probability in proportion to
+/// the nearest miss, and counts for as much more. Every expectation stays.
+struct CutRoulette {
+  double share = 0;    ///< 0: all rays are traced
+  StreamKey key = {};  ///< of one random start a point, by its index, where its group has one place a point
+};
 
 struct LightcutParams {
   double error_ratio = 0.0075;  ///< a cluster's bound over the point's total, at every level and material
@@ -22,6 +31,7 @@ struct LightcutParams {
   /// So many points that follow one another walk the tree together, whatever their pixels, at most sixteen;
   /// 0: those of one pixel. Where `adaptive` is false each has the cut that it has alone.
   std::size_t neighbours = 0;
+  CutRoulette roulette = {};                  ///< with `base`, and where `adaptive` is false
   std::function<void(double)> progress = {};  ///< told points done, from any thread
   /// Told every shadow ray, packet by packet, from any thread. Of `valid` lanes alone.
   std::function<void(const PointPacket& from, const PointPacket& to, std::uint32_t valid)> watch_rays = {};
@@ -29,7 +39,7 @@ struct LightcutParams {
 
 /// What cuts came to. Sizes count clusters and single VPLs.
 struct CutRecord {
-  std::vector<std::uint32_t> sizes;  ///< of each point's cut
+  std::vector<std::uint32_t> sizes;  ///< of each point's cut, members without a ray included
   std::uint64_t shadow_rays = 0;
 };
 
@@ -51,7 +61,7 @@ ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>&
                             const std::vector<double>& clamps_per_m2, const LightcutParams& params,
                             CutRecord* record = nullptr);
 
-/// The same rule for all materials in one cut, one number at a time: the oracle.
+/// The same rule for all materials in one cut, one number at a time, all rays: the oracle.
 ShadedPoints shade_lightcut_scalar(const World& world, const std::vector<ShadingPoint>& points,
                                    const LightTree& tree, const std::vector<Material>& materials,
                                    const std::vector<double>& clamps_per_m2, const LightcutParams& params,

@@ -211,6 +211,7 @@ ShadedPoints shade_lightcut_scalar(const World& world, const std::vector<Shading
                                    const std::vector<double>& clamps_per_m2, const LightcutParams& params,
                                    CutRecord* record) {
   EQ_CHECK(params.error_ratio >= 0 && params.floor >= 0, params.error_ratio, params.floor);
+  EQ_CHECK(params.roulette.share == 0, params.roulette.share);
   const CutJob job{world, tree, materials, clamps_per_m2, params};
   ShadedPoints shaded{clamps_per_m2.size(), points.size(), {}, 0};
   shaded.radiance.resize(materials.size() * shaded.levels * shaded.points);

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "renderer/lightcut.h"
 #include "renderer/vpl_sets.h"
 
 namespace equilux {
@@ -69,14 +68,14 @@ class RoomTracer {
     VplList own = std::move(first.own);
     const LightTree shared = make_light_tree(std::move(first.shared), tree_params);
     double shared_clusters = 0;
-    const HdrImage common = cut(shared, groups, shared_clusters);
+    const HdrImage common = cut(shared, groups, stream + ".shared-rays", shared_clusters);
     for (std::size_t i = 0; i < kept_.size(); ++i) {
       if (i > 0) own = trace_own_vpls(scene_.world, scene_.materials[i], first, params_.seed, stream);
       const LightTree tree = make_light_tree(std::move(own), tree_params);
       Kept& kept = kept_[i];
       kept.clusters += shared_clusters;
       kept.vpls += static_cast<double>(shared.vpls.size() + tree.vpls.size());
-      HdrImage layer = cut(tree, groups, kept.clusters);
+      HdrImage layer = cut(tree, groups, stream + ".own-rays", kept.clusters);
       for (std::size_t value = 0; value < layer.values.size(); ++value)
         layer.values[value] += common.values[value];
       sums[i].add(layer);
@@ -85,14 +84,17 @@ class RoomTracer {
   }
 
   // Of one position. `clusters` grows by a point's in the mean.
-  HdrImage cut(const LightTree& tree, const std::vector<Group>& groups, double& clusters) const {
+  HdrImage cut(const LightTree& tree, const std::vector<Group>& groups, const std::string& stream_name,
+               double& clusters) const {
     HdrImage layer(scene_.primary.width, scene_.primary.height);
     double sizes = 0, points = 0;
     for (const Group& group : groups) {
       CutRecord record;
       const ShadedPoints shaded =
           shade_lightcut(scene_.world, group.points, tree, {group.material}, {params_.clamp_per_m2},
-                         {params_.error_ratio, params_.floor, &group.totals, false, kNeighbours}, &record);
+                         make_set_rule(params_.error_ratio, params_.floor, group.totals, params_.seed,
+                                       fmt::format("{}-{}", stream_name, &group - groups.data())),
+                         &record);
       add_to_layer(shaded, 0, 0, group.points, 1, layer);
       sizes = std::accumulate(record.sizes.begin(), record.sizes.end(), sizes);
       points += static_cast<double>(record.sizes.size());

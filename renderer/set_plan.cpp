@@ -7,7 +7,6 @@
 #include <limits>
 #include <numeric>
 
-#include "renderer/lightcut.h"
 #include "renderer/vpl_sets.h"
 
 namespace equilux {
@@ -15,10 +14,11 @@ namespace {
 
 constexpr int kFiniteLevels = kClampLevelCount - 1;
 
-// Costs in units of a path, measured in the café: a VPL with its share of the tree, a cluster of a cut, and a
-// path of compensation, whose first ray is the longer the more is clamped.
-constexpr double kVplCost = 0.57, kClusterCost = 0.07;
-double cost_of_compensation(int level) { return 0.4 + 0.07 * level; }
+// Costs in units of a path, measured in the café: a VPL with its share of the tree, a cluster of a cut with
+// the rays that roulette leaves of it, and a path of compensation, whose first ray is the longer the more is
+// clamped.
+constexpr double kVplCost = 0.7, kClusterCost = 0.07;
+double cost_of_compensation(int level) { return 0.12 * std::pow(1.2, level); }
 
 // The small sets: trees of each, at points of one subpixel position, of so many VPLs a point that the camera
 // sees there.
@@ -27,13 +27,17 @@ constexpr std::size_t kPilotPoints = 256;
 constexpr double kPilotVplsPerPoint = 2, kFewestPilotVpls = 10000, kMostPilotVpls = 50000;
 constexpr double kPilotRatio = 0.01;
 
-// How what is measured there goes on: sizes of cuts and what representatives err by, over the number of VPLs
-// and the ratio; fitted to three objects of the café, 100k to 1M VPLs, .25 to 5 %.
-constexpr double kSizeByVpls = 0.11, kSizeByRatio = -0.65;
-constexpr double kVarianceByVpls = 0.3, kVarianceByRatio = 1.4;
+// How what is measured there goes on: sizes of cuts over the number of VPLs and the ratio, and what
+// representatives and roulette err by over the ratio, hardly over the number of VPLs; fitted to three objects
+// of the café, 20k to 1.3M VPLs, .25 to 16 %.
+constexpr double kSizeByVpls = 0.06, kSizeByRatio = -0.58;
+constexpr double kVarianceByRatio = 1.1;
 // What VPLs err by is a difference of two spreads, of sets and of trees, each known to a third or so: this
 // share of the larger one is the least, lest sets of very few VPLs be taken and miss the target.
 constexpr double kLeastOfVpls = 0.25;
+// Points of a set err alike, so that eight sets may well err by a fifth more than is foreseen: a plan without
+// room for that misses its target, and is made twice.
+constexpr double kMoreVariance = 1.4;
 
 // What may be chosen.
 constexpr double kRatios[] = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16};
@@ -50,7 +54,7 @@ constexpr double kMostCompensation = 0.5, kLeastCompensation = 0.0002;
 constexpr double kLeastShare = 0.25;
 
 // Of levels that cost alike, the hardest clamp: its sets err most evenly.
-constexpr double kAlike = 1.15;
+constexpr double kAlike = 1.05;
 
 // Pixels by which a plan is priced, and numbers of sets tried over that foreseen to be best.
 constexpr std::size_t kPricedPixels = 4000;
@@ -233,7 +237,8 @@ class SetPilotTracer {
                                                 fmt::format("{}.set-pilot-{}", stream_name, set)));
       small.vpls += static_cast<double>(list.size()) / kPilotSets;
       for (std::size_t tree = 0; tree < kPilotTrees; ++tree)
-        small.cut_size += cut(list, seed + kPilotTrees * set + tree) / (kPilotSets * kPilotTrees);
+        small.cut_size +=
+            cut(list, seed + kPilotTrees * set + tree, stream_name) / (kPilotSets * kPilotTrees);
     }
     for (std::size_t k = 0; k < candidates_.size(); ++k) compare(k);
     return small;
@@ -241,19 +246,21 @@ class SetPilotTracer {
 
  private:
   // Gives the mean size.
-  double cut(VplList list, std::uint64_t tree_seed) {
+  double cut(VplList list, std::uint64_t tree_seed, const std::string& stream_name) {
     const LightTree lights = make_light_tree(std::move(list), {tree_seed, 4});
     ShadedPoints lit{candidates_.size(), points_.size(), {}};
     lit.radiance.resize(candidates_.size() * points_.size());
     double sizes = 0;
     std::size_t first = 0;
     for (const PilotGroup& group : groups_) {
+      LightcutParams rule =
+          make_set_rule(kPilotRatio, find_radiance_of_step(view_.tone().record, kFloorSteps), group.totals,
+                        tree_seed, fmt::format("{}.set-pilot-rays-{}", stream_name, first));
+      rule.neighbours = 0;
       CutRecord record;
-      const ShadedPoints some = shade_lightcut(
-          scene_.world, group.points, lights, {scene_.materials[group.points.front().surface.material]},
-          clamps_,
-          {kPilotRatio, find_radiance_of_step(view_.tone().record, kFloorSteps), &group.totals, false},
-          &record);
+      const ShadedPoints some =
+          shade_lightcut(scene_.world, group.points, lights,
+                         {scene_.materials[group.points.front().surface.material]}, clamps_, rule, &record);
       sizes = std::accumulate(record.sizes.begin(), record.sizes.end(), sizes);
       for (std::size_t level = 0; level < candidates_.size(); ++level)
         std::copy_n(some.radiance.begin() + static_cast<std::ptrdiff_t>(some.index(0, level, 0)),
@@ -336,9 +343,8 @@ Choice choose_sets(const Candidate& candidate, const SmallSets& small, const Set
   Choice choice;
   choice.vpls = vpls;
   choice.ratio = ratio;
-  choice.set_variance = candidate.vpl_variance / more + candidate.cut_variance *
-                                                            std::pow(more, kVarianceByVpls) *
-                                                            std::pow(coarser, kVarianceByRatio);
+  choice.set_variance = kMoreVariance * (candidate.vpl_variance / more +
+                                         candidate.cut_variance * std::pow(coarser, kVarianceByRatio));
   const double size = small.cut_size * std::pow(more, kSizeByVpls) * std::pow(coarser, kSizeByRatio);
   choice.set_cost = kVplCost * vpls + kClusterCost * size * task.points;
   const double error = candidate.mean_size * std::sqrt(choice.set_variance);

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "renderer/lightcut.h"
 
 namespace equilux {
 namespace {
@@ -67,8 +66,10 @@ class SetTracer {
     std::vector<HdrImage> layers;
     for (std::size_t object = 0; object < count_objects(); ++object) {
       PositionPoints& part = at(object, set % positions_);
-      const ShadedPoints shaded = cut(object, part.points, tree,
-                                      {params_.error_ratio, params_.floor, &part.totals, false, kNeighbours});
+      const std::string stream = fmt::format("{}.rays-{}-{}", params_.stream_name, set + 1, object);
+      const ShadedPoints shaded =
+          cut(object, part.points, tree,
+              make_set_rule(params_.error_ratio, params_.floor, part.totals, params_.seed, stream));
       layers.push_back(make_black());
       add_to_layer(shaded, 0, 0, part.points, 1, layers.back());
       part.sums.add(layers.back());
@@ -140,6 +141,12 @@ void check_finite_layers(const VplSets& sets, const std::string& name) {
 }
 
 }  // namespace
+
+LightcutParams make_set_rule(double error_ratio, double floor, const ShadedPoints& totals, std::uint64_t seed,
+                             const std::string& stream_name) {
+  return {error_ratio, floor,       &totals,
+          false,       kNeighbours, {kRouletteOfRatio * error_ratio, make_stream_key(seed, stream_name)}};
+}
 
 Primary take_position(const Primary& primary, int position) {
   Primary taken{primary.width, primary.height, 1, {}};

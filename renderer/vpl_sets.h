@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/family.h"
+#include "renderer/lightcut.h"
 #include "renderer/set_sums.h"
 
 namespace equilux {
@@ -24,6 +25,14 @@ struct VplSetsParams {
 
 /// Points of a set that walk its tree together: one ray a pixel, so that neighbours' run side by side.
 inline constexpr std::size_t kNeighbours = 16;
+
+/// Roulette's share of a set's cut over the cut's own ratio: of 0 to 1.2 what costs least to equal error in
+/// the café.
+inline constexpr double kRouletteOfRatio = 0.4;
+
+/// The rule of a set's cuts. `stream_name`: of this tree's starts of the roulette
+LightcutParams make_set_rule(double error_ratio, double floor, const ShadedPoints& totals, std::uint64_t seed,
+                             const std::string& stream_name);
 
 struct VplSets {
   int sets = 0;

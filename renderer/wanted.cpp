@@ -15,7 +15,7 @@ namespace {
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
 constexpr int kPathEstimator = 8;
-constexpr int kCompensatedEstimator = 4;
+constexpr int kCompensatedEstimator = 5;
 constexpr int kVplEstimator = 5;
 constexpr int kLightcutEstimator = 6;
 
