@@ -14,7 +14,7 @@ namespace equilux::EQ_ISA {
 
 // Systematic sampling, lane by lane: probabilities are added up from one random start, and a ray is traced
 // where the sum passes a whole number. Each has exactly its probability, and how many there are of some that
-// follow one another varies by less than one, so that what is left out of one stretch of the tree is not made
+// follow one another varies by less than one, so that what is left out of one stretch of the cut is not made
 // up for by another. Sums are whole numbers of float, without rounding. source: Madow, On the theory of
 // systematic sampling, II, 1949.
 class RayRoulette {

@@ -54,7 +54,8 @@ inline constexpr std::size_t kMostMaterials = 16;
 /// for what totals that depend on the representatives do. Points of one pixel that follow one another, up to
 /// sixteen, or so many neighbours as are asked for, walk the tree together, each with a cut of its own. The
 /// materials share cuts, at most kMostMaterials: light of one then depends, within the rule, on what else was
-/// asked for. A pixel's first thresholds come from the pixel before it in its run of kCutBlock. source:
+/// asked for. A pixel's first thresholds come from the pixel before it in its run of kCutBlock. Roulette
+/// leaves the cut as it is, and the sum of its light in expectation. source:
 /// Walter et al., "Lightcuts: a scalable approach to illumination", SIGGRAPH 2005.
 ShadedPoints shade_lightcut(const World& world, const std::vector<ShadingPoint>& points,
                             const LightTree& tree, const std::vector<Material>& materials,

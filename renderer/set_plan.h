@@ -33,8 +33,8 @@ struct SetPlan {
   /// and of what is beside it. Not premultiplied, never negative. shape: height x width x 3. units:
   /// W/(m^2 sr)
   HdrImage light;
-  /// Displayed errors of compensation, for one path a batch and position, and of the mean of the sets. shape:
-  /// height x width. units: steps of 255
+  /// Displayed errors of compensation, for one path a batch and position, and of the mean of the sets, should
+  /// these err by a fifth more than is foreseen. shape: height x width. units: steps of 255
   std::vector<double> compensation_errors, set_errors;
 };
 
