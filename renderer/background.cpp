@@ -34,14 +34,14 @@ std::vector<TracedLayer> trace_in_parts(const RoomScene& scene, const PathMap& m
   std::vector<TracedLayer> sums;
   for (std::size_t part = 0; part < parts; ++part) {
     const PathMap some = take_part(map, part, parts);
-    const auto trace = [&] {
-      return trace_backgrounds(scene.world, scene.materials, scene.primary,
+    const auto trace = [&](const std::vector<std::size_t>& which) {
+      return trace_backgrounds(scene.world, take_materials(scene.materials, which), scene.primary,
                                {make_background_key(params.seed, name), some, params.measures}, name,
                                progress.advance);
     };
-    auto layers = stages.keep_each<TracedLayer>(fmt::format("paths-{}-of-{}", part + 1, parts), trace, [&] {
-      progress.expect_more(-count_room_paths(scene.primary, some));
-    });
+    auto layers = stages.keep_each<TracedLayer>(
+        fmt::format("paths-{}-of-{}", part + 1, parts), scene.materials.size(), trace,
+        [&] { progress.expect_more(-count_room_paths(scene.primary, some)); });
     if (part == 0) {
       sums = std::move(layers);
     } else {

@@ -169,6 +169,7 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
   const auto& [world, materials, primary] = scene;
   const HdrImage coverage = make_coverage(primary);
   const std::string& name = params.background_stream_name;
+  using Places = std::vector<std::size_t>;
   const auto skip = [&](const PathMap& map) {
     return [&] { progress.expect_more(-count_room_paths(primary, map)); };
   };
@@ -176,10 +177,11 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
       "direct", [&] { return trace_direct(world, primary, plan.direct, params, "", progress); },
       skip(plan.direct));
   const auto returned = stages.keep_each<TracedLayer>(
-      "compensation",
-      [&] {
-        return compensate(scene, plan.compensation, {clamp_per_m2(plan.sets.clamp_level)}, params, "",
-                          progress);
+      "compensation", materials.size(),
+      [&](const Places& which) {
+        const std::vector<Materials> some = take_materials(materials, which);
+        return compensate({world, some, primary}, plan.compensation, {clamp_per_m2(plan.sets.clamp_level)},
+                          params, "", progress);
       },
       skip(plan.compensation));
   const auto check_share = static_cast<std::uint32_t>(round_paths(kCheckPaths, primary.positions) /
@@ -187,10 +189,10 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
   const PathMap checked = make_sparse_map(coverage, find_stride(coverage, kCheckedPixels), check_share);
   progress.expect_more(count_room_paths(primary, checked));
   const auto traced = stages.keep_each<TracedLayer>(
-      "check",
-      [&] {
+      "check", materials.size(),
+      [&](const Places& which) {
         return trace_backgrounds(
-            world, materials, primary,
+            world, take_materials(materials, which), primary,
             {make_background_key(params.seed, name + ".check"), checked, params.measures}, name + ".check",
             progress.advance);
       },
@@ -205,16 +207,17 @@ std::vector<CompensatedRoom> trace_compensated_rooms(const RoomScene& scene, con
                                    name,
                                    plan.sets.light,
                                    regions};
-  const auto trace_sets = [&] {
+  const auto trace_sets = [&](const Places& which) {
+    const std::vector<Materials> some = take_materials(materials, which);
     std::vector<RoomSets> made;
     with_vpl_memory(plan.sets.vpls, [&] {
-      made = trace_room_sets(scene, sets_params,
+      made = trace_room_sets({world, some, primary}, sets_params,
                              [&] { progress.advance(plan.sets.sets_cost / plan.sets.sets); });
     });
     return made;
   };
-  std::vector<RoomSets> sets =
-      stages.keep_each<RoomSets>("sets", trace_sets, [&] { progress.expect_more(-plan.sets.sets_cost); });
+  std::vector<RoomSets> sets = stages.keep_each<RoomSets>(
+      "sets", materials.size(), trace_sets, [&] { progress.expect_more(-plan.sets.sets_cost); });
   std::vector<CompensatedRoom> rooms;
   for (std::size_t i = 0; i < materials.size(); ++i) {
     TracedLayer beside = direct;

@@ -26,8 +26,11 @@ class MemberLight {
         with_roulette_(job.params.roulette.share > 0),
         roulette_(job.params.roulette.share, job.params.floor) {}
 
-  // For the next points, where there is roulette. As RayRoulette::start; `totals`: of each material and level
-  void start(const std::vector<Floats>& totals, Floats starts) { roulette_.start(totals, starts); }
+  // For the points from `first` on, where there is roulette. As RayRoulette::start; `totals`: of each
+  // material and level
+  void start(const std::vector<Floats>& totals, std::size_t first) {
+    roulette_.start(totals, draw_starts<S>(job_.params.roulette.key, first));
+  }
 
   // Of those from `first` on. What lies behind the last one is overwritten.
   void shade(const GroupPoints& points, Members<S>& members, std::size_t first) {

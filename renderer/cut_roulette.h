@@ -1,8 +1,10 @@
 // Shadow rays for some members of a cut, each with a probability in proportion to what it could bring.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "base/random.h"
 #include "renderer/lanes.h"
 
 // After all other headers.
@@ -53,6 +55,17 @@ class RayRoulette {
   std::vector<Floats> thresholds_;  // of light. shape: material x level
   Floats sum_ = zeros();            // of probabilities, in steps of 1 / kWhole
 };
+
+// Of the lanes of S points from `first` on, each point's its own. Uniform on [0, 1)
+template <std::size_t S>
+Floats draw_starts(const StreamKey& key, std::size_t first) {
+  std::array<float, kLanes> starts;
+  for (std::size_t point = 0; point < S; ++point) {
+    RandomStream random(key, first + point);
+    for (std::size_t lane = point; lane < kLanes; lane += S) starts[lane] = random.next_float();
+  }
+  return load(starts.data());
+}
 
 }  // namespace equilux::EQ_ISA
 

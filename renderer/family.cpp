@@ -150,6 +150,13 @@ double count_paths_of_pixels(const Primary& primary, const PathMaps& maps, std::
 
 }  // namespace
 
+std::vector<Materials> take_materials(std::span<const Materials> materials,
+                                      const std::vector<std::size_t>& which) {
+  std::vector<Materials> taken;
+  for (const std::size_t i : which) taken.push_back(materials[i]);
+  return taken;
+}
+
 StreamKey make_background_key(std::uint64_t seed, const std::string& stream_name) {
   return make_stream_key(seed, stream_name + ".background");
 }

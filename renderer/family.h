@@ -49,6 +49,10 @@ struct RoomScene {
   const Primary& primary;
 };
 
+/// Some of a room's materials, by their places.
+std::vector<Materials> take_materials(std::span<const Materials> materials,
+                                      const std::vector<std::size_t>& which);
+
 /// The layers add up, and their errors are independent. Random numbers are a function of seed, stream name,
 /// layer, position and path. `progress` is told the paths done, from any thread.
 /// errors: InputError naming the stream if any radiance is not finite, with their number.

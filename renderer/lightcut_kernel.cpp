@@ -61,7 +61,7 @@ class GroupCut {
     for (std::uint32_t node : top) open_.push({node, kNone, (1u << range.count) - 1u});
     if (!job_.params.adaptive) {
       set_thresholds(base_);
-      if (job_.params.roulette.share > 0) light_.start(base_, draw_starts(range));
+      if (job_.params.roulette.share > 0) light_.start(base_, range.first);
     } else if (before.known) {
       expand_totals(before);
     } else {
@@ -159,16 +159,6 @@ class GroupCut {
     for (std::size_t i = 0; i < totals.size(); ++i)
       thresholds_[i] = static_cast<float>(job_.params.error_ratio) * max(totals[i], floor);
     find_least_thresholds();
-  }
-
-  // Of every lane; each point's are its own.
-  Floats draw_starts(PointRange range) const {
-    std::array<float, kLanes> starts;
-    for (std::size_t sample = 0; sample < S; ++sample) {
-      RandomStream random(job_.params.roulette.key, range.first + sample);
-      for (std::size_t lane = sample; lane < kLanes; lane += S) starts[lane] = random.next_float();
-    }
-    return load(starts.data());
   }
 
   void find_least_thresholds() {

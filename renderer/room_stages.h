@@ -3,9 +3,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "renderer/stage_bytes.h"
 
 namespace equilux {
@@ -54,20 +56,29 @@ class RoomStages {
     return made;
   }
 
-  /// The same of stages that each member has for itself. shape: by member
+  /// The same of stages that each of `count` members has for itself: `make(which)` gives those that are not
+  /// there, by the members' places. shape: by member
   template <typename T, typename Make, typename Skip>
-  std::vector<T> keep_each(const std::string& stage, const Make& make, const Skip& skip) const {
-    std::vector<T> all;
-    for (const RoomMember& member : members_) {
-      if (auto found = find<T>(stage + "-" + member.key, {member})) all.push_back(std::move(*found));
+  std::vector<T> keep_each(const std::string& stage, std::size_t count, const Make& make,
+                           const Skip& skip) const {
+    EQ_CHECK(!are_kept() || count == members_.size(), count, members_.size());
+    std::vector<std::optional<T>> found(count);
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (are_kept()) found[i] = find<T>(stage + "-" + members_[i].key, {members_[i]});
+      if (!found[i]) which.push_back(i);
     }
-    if (are_kept() && all.size() == members_.size()) {
+    if (which.empty()) {
       skip();
-      return all;
+    } else {
+      std::vector<T> made = make(which);
+      for (std::size_t k = 0; k < which.size(); ++k) {
+        if (are_kept()) save(stage + "-" + members_[which[k]].key, {members_[which[k]]}, made[k]);
+        found[which[k]] = std::move(made[k]);
+      }
     }
-    all = make();
-    for (std::size_t i = 0; i < members_.size(); ++i)
-      save(stage + "-" + members_[i].key, {members_[i]}, all[i]);
+    std::vector<T> all;
+    for (std::optional<T>& one : found) all.push_back(std::move(*one));
     return all;
   }
 

@@ -339,8 +339,9 @@ class GreyStages : public testing::Test {
     return {folder_ / "rooms/room", std::move(members), {4, 3}};
   }
   // How many of the two stages, of all and of each, are made.
-  int count_made(const std::vector<RoomMember>& members) const {
+  int count_made(const std::vector<RoomMember>& members) {
     int made = 0, skipped = 0;
+    lacked_.clear();
     const auto make = [&] {
       ++made;
       TracedLayer layer{HdrImage(4, 3), HdrImage(4, 3)};
@@ -351,7 +352,12 @@ class GreyStages : public testing::Test {
     const auto skip = [&] { ++skipped; };
     const TracedLayer shared = stages.keep<TracedLayer>("shared", make, skip);
     const auto own = stages.keep_each<TracedLayer>(
-        "own", [&] { return std::vector(members.size(), make()); }, skip);
+        "own", members.size(),
+        [&](const std::vector<std::size_t>& which) {
+          lacked_ = which;
+          return std::vector(which.size(), make());
+        },
+        skip);
     EXPECT_EQ(made + skipped, 2);
     EXPECT_EQ(own.size(), members.size());
     EXPECT_EQ(shared.mean.values, std::vector(36, .5f));
@@ -361,6 +367,7 @@ class GreyStages : public testing::Test {
 
   const TempFolder folder_;
   const std::vector<RoomMember> members_{{"a", digest_text("a")}, {"b", digest_text("b")}};
+  std::vector<std::size_t> lacked_;  // of the last time, what was made for members by themselves
 };
 
 TEST_F(GreyStages, AreTakenForTheSameReferencesOrFewerOfThem) {
@@ -386,6 +393,20 @@ TEST_F(GreyStages, ThatAreDamagedOrAnothersAreMadeAgain) {
       EXPECT_EQ(count_made(members_), 1) << stage;
     }
   }
+}
+
+// As a kill between two members' files leaves it.
+TEST_F(GreyStages, AreMadeForTheMembersThatLackThemAlone) {
+  count_made(members_);
+  EXPECT_EQ(lacked_, (std::vector<std::size_t>{0, 1}));
+  const auto of = [&](const char* stage) { return folder_ / "rooms/room" / stage; };
+  const auto written = std::filesystem::last_write_time(of("own-a.stage"));
+  std::filesystem::remove(of("own-b.stage"));
+  EXPECT_EQ(count_made(members_), 1);
+  EXPECT_EQ(lacked_, std::vector<std::size_t>{1});
+  EXPECT_EQ(std::filesystem::last_write_time(of("own-a.stage")), written);
+  EXPECT_EQ(count_made({members_[1], {"c", digest_text("c")}, members_[0]}), 2);
+  EXPECT_EQ(lacked_, std::vector<std::size_t>{1});
 }
 
 TEST_F(GreyStages, GoWithTheirFoldersUnlessSomebodysFilesAreThere) {
