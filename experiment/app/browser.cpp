@@ -137,7 +137,11 @@ class Browser {
   }
 
   void shift(int steps) {
-    if (!view_.windows) return;
+    if (!view_.windows) {
+      message_ =
+          fmt::format("{} is not there: equilux-analyze windows makes one", folder_.windows().string());
+      return;
+    }
     try_to([&] {
       view_.windows = save_shifted_window(folder_, view_.study, column(place_.count), steps);
       message_.clear();
@@ -317,6 +321,7 @@ class Browser {
   void lay_out_grid() {
     const FullPage page(gui_, window_.framebuffer());
     for (const std::string& line : list_lines()) page.say(line);
+    lay_out_counts();
     ImGui::BeginChild("cells", ImVec2(0, 0), false, ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoNav);
     lay_out_cells();
     ImGui::EndChild();
@@ -330,20 +335,31 @@ class Browser {
     return {width, std::round(width * share)};
   }
 
+  static float find_left(float origin, ImVec2 cell_size, std::size_t count) {
+    return origin + kRowLabel + static_cast<float>(count) * (cell_size.x + 2 * kGap);
+  }
+
+  // Over the cells, where they stay however far these are scrolled.
+  void lay_out_counts() {
+    const ImVec2 origin = ImGui::GetCursorScreenPos(), size = find_cell_size();
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    list->AddText(origin, IM_COL32_BLACK, "VPLs");
+    for (std::size_t count = 0; count < counts().size(); ++count) {
+      const std::string name = format_vpl_count(counts()[count]);
+      list->AddText(ImVec2(find_left(origin.x, size, count), origin.y), IM_COL32_BLACK, name.c_str());
+    }
+    ImGui::Dummy(ImVec2(0, ImGui::GetTextLineHeight()));
+  }
+
   void lay_out_cells() {
     const ImVec2 origin = ImGui::GetCursorScreenPos(), size = find_cell_size();
     const std::size_t levels = view_.study.clamp_levels.size(), columns = counts().size();
     ImDrawList* list = ImGui::GetWindowDrawList();
-    const float line = ImGui::GetTextLineHeight() + kGap;
     const auto corner_of = [&](std::size_t count, std::size_t level) {
       return ImVec2(
-          origin.x + kRowLabel + static_cast<float>(count) * (size.x + 2 * kGap),
-          origin.y + line + static_cast<float>(levels - 1 - level) * (size.y + kCountHeight + kGap));
+          find_left(origin.x, size, count),
+          origin.y + kGap + static_cast<float>(levels - 1 - level) * (size.y + kCountHeight + kGap));
     };
-    for (std::size_t count = 0; count < columns; ++count) {
-      const std::string name = format_vpl_count(counts()[count]);
-      list->AddText(ImVec2(corner_of(count, 0).x, origin.y), IM_COL32_BLACK, name.c_str());
-    }
     for (std::size_t level = 0; level < levels; ++level) {
       const ImVec2 corner = corner_of(0, level);
       list->AddText(ImVec2(origin.x, corner.y), IM_COL32_BLACK,
