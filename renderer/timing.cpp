@@ -1,7 +1,6 @@
-// timing.json, read and added to.
+// timing.json, added to; the log.
 #include "renderer/timing.h"
 
-#include <cmath>
 #include <exception>
 #include <fmt/format.h>
 
@@ -42,18 +41,6 @@ std::ofstream open_log(const StudyFolder& folder) {
 
 }  // namespace
 
-Json load_timing(const StudyFolder& folder) {
-  if (!path_exists(folder.timing())) return Json(Json::Array{});
-  const Json json = parse_json(load_text(folder.timing()), folder.timing().string());
-  const Json* runs = json.find("runs");
-  if (!runs || !runs->is_array()) {
-    throw InputError(folder.timing().string(), "/runs",
-                     "an array; the file may be removed, nothing depends on it",
-                     runs ? describe_json(*runs) : "none");
-  }
-  return *runs;
-}
-
 void append_timing(const StudyFolder& folder, const RunTiming& timing) {
   Json runs = load_timing(folder);
   runs.push(make_run(timing));
@@ -68,23 +55,6 @@ void join_timing(const StudyFolder& folder, const StudyFolder& share) {
   if (!is_file(share.log())) return;  // there is none, or a pipe that would be waited for
   std::ifstream lines(share.log());
   open_log(folder) << lines.rdbuf();
-}
-
-std::optional<double> find_speed(const StudyFolder& folder) {
-  const Json runs = load_timing(folder);
-  double work = 0, time = 0;
-  for (const Json& run : runs.as_array()) {
-    const Json *done = run.find("foreseen_work"), *seconds = run.find("seconds");
-    if (!done || !done->is_number() || !(done->as_double() > 0) || !seconds || !seconds->is_object())
-      continue;
-    work += done->as_double();
-    for (const auto& [stage, spent] : seconds->as_object())
-      time += spent.is_number() && stage != "pictures" && stage != "checking" ? spent.as_double() : 0;
-  }
-  // Files can be edited.
-  const double speed = time > 0 ? work / time : 0;
-  if (!std::isfinite(speed) || !(speed > 0)) return {};
-  return speed;
 }
 
 WorkLog::WorkLog(const StudyFolder& folder) : file_(open_log(folder)) {}

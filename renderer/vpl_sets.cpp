@@ -67,9 +67,9 @@ class SetTracer {
     for (std::size_t object = 0; object < count_objects(); ++object) {
       PositionPoints& part = at(object, set % positions_);
       const std::string stream = fmt::format("{}.rays-{}-{}", params_.stream_name, set + 1, object);
-      const ShadedPoints shaded =
-          cut(object, part.points, tree,
-              make_set_rule(params_.error_ratio, params_.floor, part.totals, params_.seed, stream));
+      const ShadedPoints shaded = cut(object, part.points, tree,
+                                      make_set_rule(params_.error_ratio, params_.floor, part.totals,
+                                                    params_.seed, stream, params_.roulette_of_ratio));
       layers.push_back(make_black());
       add_to_layer(shaded, 0, 0, part.points, 1, layers.back());
       part.sums.add(layers.back());
@@ -143,9 +143,9 @@ void check_finite_layers(const VplSets& sets, const std::string& name) {
 }  // namespace
 
 LightcutParams make_set_rule(double error_ratio, double floor, const ShadedPoints& totals, std::uint64_t seed,
-                             const std::string& stream_name) {
+                             const std::string& stream_name, double roulette_of_ratio) {
   return {error_ratio, floor,       &totals,
-          false,       kNeighbours, {kRouletteOfRatio * error_ratio, make_stream_key(seed, stream_name)}};
+          false,       kNeighbours, {roulette_of_ratio * error_ratio, make_stream_key(seed, stream_name)}};
 }
 
 Primary take_position(const Primary& primary, int position) {

@@ -7,12 +7,20 @@
 
 namespace equilux {
 
+/// Points of a set that walk its tree together: one ray a pixel, so that neighbours' run side by side.
+inline constexpr std::size_t kNeighbours = 16;
+
+/// Roulette's share of a set's cut over the cut's own ratio: of 0 to 1.2 what costs least to equal error in
+/// the café.
+inline constexpr double kRouletteOfRatio = 0.4;
+
 struct VplSetsParams {
   int sets = 4;                       ///< at least 2
   std::int64_t paths = 1;             ///< particles of a set, see find_path_count
   std::vector<double> clamps_per_m2;  ///< of each object
   double error_ratio = 0.0025;        ///< of cuts
-  double floor = 0;                   ///< of their totals. units: W/(m^2 sr), luminance
+  double roulette_of_ratio = kRouletteOfRatio;
+  double floor = 0;  ///< of their totals. units: W/(m^2 sr), luminance
   Emission emission = Emission::kLambertian;
   std::uint64_t seed = 1;
   std::string stream_name;
@@ -23,16 +31,9 @@ struct VplSetsParams {
   std::vector<int> regions = {};
 };
 
-/// Points of a set that walk its tree together: one ray a pixel, so that neighbours' run side by side.
-inline constexpr std::size_t kNeighbours = 16;
-
-/// Roulette's share of a set's cut over the cut's own ratio: of 0 to 1.2 what costs least to equal error in
-/// the café.
-inline constexpr double kRouletteOfRatio = 0.4;
-
 /// The rule of a set's cuts. `stream_name`: of this tree's starts of the roulette
 LightcutParams make_set_rule(double error_ratio, double floor, const ShadedPoints& totals, std::uint64_t seed,
-                             const std::string& stream_name);
+                             const std::string& stream_name, double roulette_of_ratio = kRouletteOfRatio);
 
 struct VplSets {
   int sets = 0;
