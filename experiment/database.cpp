@@ -78,11 +78,15 @@ void leave_memory_uncounted() {
   static_cast<void>(once);
 }
 
+void checkpoint(sqlite3* handle) {
+  sqlite3_wal_checkpoint_v2(handle, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+}
+
 }  // namespace
 
 void Database::Close::operator()(sqlite3* handle) const {
   sqlite3_busy_timeout(handle, kCloseTimeoutMs);
-  if (checkpoints) sqlite3_wal_checkpoint_v2(handle, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+  if (checkpoints) checkpoint(handle);
   sqlite3_close(handle);
 }
 
@@ -122,6 +126,12 @@ void Database::check_in_place() const {
   int moved = 0;
   sqlite3_file_control(handle(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
   if (moved) fail_store("moved or removed while it was open; put its folder back and open it again");
+}
+
+void Database::empty_wal() const {
+  sqlite3_busy_timeout(handle(), kCloseTimeoutMs);
+  checkpoint(handle());
+  sqlite3_busy_timeout(handle(), kBusyTimeoutMs);
 }
 
 int Database::count_changes() const { return sqlite3_changes(handle()); }

@@ -51,6 +51,10 @@ class Database {
   /// errors: StoreError if the file is no more what stands under its name: what is written now would be lost
   void check_in_place() const;
 
+  /// Brings what stands in the WAL into the file, as far as readers and the disk let it: nothing is lost
+  /// where they do not.
+  void empty_wal() const;
+
   /// Rows that the last statement changed.
   int count_changes() const;
   std::int64_t last_row_id() const;

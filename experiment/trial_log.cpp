@@ -104,6 +104,7 @@ std::int64_t TrialLog::append_session(const SessionRow& asked, const std::vector
   const std::int64_t session = insert_session(impl_->database, row);
   for (const TrialRow& trial : trials) insert_trial(impl_->database, session, trial);
   transaction.commit();
+  empty_wal();
   return session;
 }
 
@@ -193,6 +194,8 @@ void TrialLog::finish_session(std::int64_t session, std::int64_t time_ns) {
   insert_event_now(impl_->database, session, std::nullopt, "finish", time_ns);
   transaction.commit();
 }
+
+void TrialLog::empty_wal() const { impl_->database.empty_wal(); }
 
 std::vector<AnswerRow> TrialLog::load_answers(SubjectKind kind, Experiment experiment) const {
   Statement statement(

@@ -199,6 +199,9 @@ class TrialLog {
   std::vector<ExportRow> load_exports() const;  ///< each path once, sorted; after a merge other stations' too
   /// Marks the session complete. errors: StoreError if a trial is unanswered.
   void finish_session(std::int64_t session, std::int64_t time_ns);
+  /// After the last of a sitting: the file alone, copied from now on, is whole, unless somebody reads it just
+  /// now. append_session does the same, so that no copy lacks the session.
+  void empty_wal() const;
 
   /// Answers of the main phase, of the complete sessions of a kind and experiment, in order of session and
   /// trial.

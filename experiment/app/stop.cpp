@@ -55,6 +55,7 @@ void record_stop(Seat& seat, const std::string& message) {
   try {
     if (find_abort_reason(seat.log.load_events(seat.open.row.id))) return;
     record_effect(seat.log, seat.open.row.id, RecordNote{"interrupt", message, read_clock_ns()});
+    seat.log.empty_wal();
   } catch (const std::exception&) {
   }
 }

@@ -57,6 +57,37 @@ TEST_F(TrialLogTest, GivesBackASessionAsItWasAppended) {
   EXPECT_EQ(loaded.station.size(), 32u);
 }
 
+// The file alone, without what stands beside it, while the log is open.
+TEST_F(TrialLogTest, IsWholeInItsFileAfterASessionsStartAndOnceTheWalIsEmptied) {
+  const auto load_copy = [&] {
+    const auto copy = folder_.path() / "copy.sqlite";
+    std::filesystem::copy_file(path_, copy, std::filesystem::copy_options::overwrite_existing);
+    return TrialLog::load_snapshot(copy);
+  };
+  TrialLog log(path_, true);
+  const std::int64_t id = log.append_session(make_fake_session(), make_fake_trials(3));
+  ASSERT_EQ(load_copy().load_sessions().size(), 1u);
+  EXPECT_EQ(load_copy().load_trials(id), log.load_trials(id));
+  answer_all(log, id, 3);
+  EXPECT_NE(load_copy().load_trials(id), log.load_trials(id)) << "otherwise emptying it does nothing";
+  log.empty_wal();
+  EXPECT_EQ(load_copy().load_trials(id), log.load_trials(id));
+  EXPECT_EQ(load_copy().load_events(id), log.load_events(id));
+  EXPECT_TRUE(load_copy().load_sessions()[0].complete);
+}
+
+TEST_F(TrialLogTest, EmptiesNoWalThatSomebodyReadsAndLosesNothing) {
+  TrialLog log(path_, true);
+  const std::int64_t id = log.append_session(make_fake_session(), make_fake_trials(3));
+  const RawDatabase reader(path_);
+  reader.query("BEGIN");
+  reader.query("SELECT count(*) FROM trial");
+  answer_all(log, id, 3);
+  log.empty_wal();
+  reader.query("COMMIT");
+  EXPECT_TRUE(TrialLog::load_snapshot(path_).load_sessions()[0].complete);
+}
+
 TEST_F(TrialLogTest, KeepsWhyAPairIsShownAndWhetherItsAnswerCameTooSoon) {
   TrialLog log(path_, true);
   auto trials = make_fake_trials(3);
