@@ -24,7 +24,7 @@ struct Tombstone {
 
 Tombstone make_tombstone(const std::string& code);
 bool is_of(const Tombstone& tombstone, const std::string& code);
-/// The tombstone of a code, if its participant withdrew.
+/// The tombstone of a code, if its participant withdrew; of small or capital letters only as it stands there.
 std::optional<Tombstone> find_tombstone(const std::vector<Tombstone>& tombstones, const std::string& code);
 
 /// Of a session's trials, sorted. errors: InputError where one of them is not there

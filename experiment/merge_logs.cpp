@@ -2,6 +2,7 @@
 #include "experiment/merge_logs.h"
 
 #include <fmt/format.h>
+#include <set>
 
 #include "base/error.h"
 #include "experiment/log_schema.h"
@@ -63,6 +64,13 @@ std::string format_rename(const SessionRow& row) {
                      row.participant, format_experiment(row.experiment));
 }
 
+// One has a tombstone for each of its names.
+std::size_t count_withdrawals(const MergePlan& plan) {
+  std::set<std::string> salts;
+  for (const Tombstone& tombstone : plan.tombstones) salts.insert(tombstone.salt);
+  return salts.size();
+}
+
 bool is_empty(const MergePlan& plan) {
   return plan.added.empty() && plan.replaced.empty() && plan.tombstones.empty() && plan.erased.empty() &&
          plan.exports.empty();
@@ -113,7 +121,7 @@ std::string format_merge(const MergePlan& plan) {
   std::string text = fmt::format(
       "sessions: {} added, {} further along than here, {} known already; withdrawals: {} taken over, {} "
       "erased here; exports: {} taken over\n",
-      plan.added.size(), plan.replaced.size(), plan.kept, plan.tombstones.size(), plan.erased.size(),
+      plan.added.size(), plan.replaced.size(), plan.kept, count_withdrawals(plan), plan.erased.size(),
       plan.exports.size());
   for (const std::vector<LogSession>* sessions : {&plan.added, &plan.replaced}) {
     for (const LogSession& session : *sessions) text += format_rename(session.row);

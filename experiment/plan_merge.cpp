@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "experiment/intake.h"
@@ -133,6 +134,7 @@ class Planner {
       if (held.state == Held::kReplaced) plan_.replaced.push_back(held.session);
     }
     find_double_finishes();
+    remark_codes_of_several_stations();
     remark_equal_indices();
     return std::move(plan_);
   }
@@ -163,9 +165,15 @@ class Planner {
     }
   }
 
-  // Under any of these names: also who was renamed here before, and comes in under the first code.
+  // Under any of these names, in small and capital letters: also who was renamed here before, and comes in
+  // under the first code.
   bool has_withdrawn(const SessionRow& row) const {
-    return find_tombstone(tombstones_, row.participant) || find_tombstone(tombstones_, name_at_home(row));
+    for (const std::string& name : {row.participant, name_at_home(row)}) {
+      for (const std::string& spelling : list_spellings(name)) {
+        if (find_tombstone(tombstones_, spelling)) return true;
+      }
+    }
+    return false;
   }
 
   // By which a person of that station is known here already.
@@ -256,6 +264,25 @@ class Planner {
                         row.participant, format_experiment(row.experiment)));
         if (row.complete) place->second = &held;
       }
+    }
+  }
+
+  // One person who went from one to the other, or two who were given the same code.
+  void remark_codes_of_several_stations() {
+    std::map<std::pair<std::string, SubjectKind>, const Held*> first;
+    std::set<std::string> told;
+    for (const Held& held : held_) {
+      const SessionRow& row = held.session.row;
+      const auto [place, is_new] = first.emplace(std::pair(row.participant, row.kind), &held);
+      const Held& other = *place->second;
+      if (is_new || other.session.row.station == row.station) continue;
+      if (other.session.row.experiment == row.experiment) continue;  // told above
+      if (other.state == Held::kOurs && held.state == Held::kOurs) continue;
+      if (row.kind != SubjectKind::kPerson || !told.insert(row.participant).second) continue;
+      plan_.remarks.push_back(
+          fmt::format("{} has sessions of two stations, in {} and {}: one person; were they two, --rename "
+                      "{}=NEW gives the one of the log that comes in another code",
+                      row.participant, other.source, held.source, row.participant));
     }
   }
 

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "experiment/export_log.h"
+#include "experiment/intake.h"
 #include "experiment/log_rows.h"
 #include "experiment/log_schema.h"
 #include "experiment/rename_codes.h"
@@ -86,13 +87,20 @@ bool has_table(const Database& database, const std::string& table) {
   return Statement(database, "SELECT 1 FROM sqlite_schema WHERE type = 'table' AND name = ?", table).step();
 }
 
+// In small and capital letters too, but where that is somebody else's code here.
+void insert_tombstones(const Database& database, const Tombstone& tombstone, const std::string& name) {
+  for (const std::string& spelling : list_spellings(name)) {
+    if (spelling == name || !knows(database, spelling))
+      insert_tombstone(database, make_tombstone_beside(tombstone, spelling));
+  }
+}
+
 void bury(const Database& database, const std::string& code) {
   Transaction transaction(database);
   const Tombstone tombstone = find_tombstone(load_tombstones(database), code).value_or(make_tombstone(code));
-  insert_tombstone(database, tombstone);
+  insert_tombstones(database, tombstone, code);
   for (const SessionRow& session : load_sessions_of(database, code)) {
-    for (const std::string& name : list_names(session))
-      insert_tombstone(database, make_tombstone_beside(tombstone, name));
+    for (const std::string& name : list_names(session)) insert_tombstones(database, tombstone, name);
   }
   erase_participant(database, code);
   transaction.commit();

@@ -247,8 +247,11 @@ TEST_F(Merge, TakesAParticipantOfBothExperimentsForTheSame) {
   add(ours_, "A", 0);
   SessionRow material = make_fake_session(0, SubjectKind::kPerson, Experiment::kMaterial);
   add(first_, "A", 0, kTrials, material);
-  EXPECT_THAT(merge({first_}).remarks, IsEmpty());
+  EXPECT_THAT(merge({first_}).remarks,
+              ElementsAre(AllOf(HasSubstr("A has sessions of two stations, in "), HasSubstr("first.sqlite"),
+                                HasSubstr("--rename A=NEW"))));
   EXPECT_EQ(value("SELECT count(*) FROM participant"), "1");
+  EXPECT_THAT(merge({first_}).remarks, IsEmpty()) << "it was said";
 }
 
 // Each digest by itself, and the words by which it is named.
@@ -317,6 +320,16 @@ TEST_F(Merge, RefusesWhoWithdrewHere) {
   EXPECT_THAT(conflict_with({first_}), HasSubstr("withdrew; withdraw there too"));
 }
 
+TEST_F(Merge, RefusesWhoWithdrewHereInOtherLettersToo) {
+  for (const auto& [here, there] : {std::pair("P01", "p01"), {"Anna7", "anna7"}, {"b2", "B2"}}) {
+    add(ours_, here, 0);
+    withdraw_participant(ours_, here);
+    const fs::path log = folder_.path() / (std::string(there) + ".sqlite");
+    add(log, there, 1);
+    EXPECT_THAT(conflict_with({log}), HasSubstr("withdrew; withdraw there too")) << there;
+  }
+}
+
 TEST_F(Merge, ErasesHereWhoWithdrewThere) {
   add(ours_, "A", 0);
   add(first_, "Withdrawing-4711", 1);
@@ -327,7 +340,7 @@ TEST_F(Merge, ErasesHereWhoWithdrewThere) {
   EXPECT_THAT(plan.erased, ElementsAre("Withdrawing-4711"));
   EXPECT_EQ(plan.added.size(), 1u);
   EXPECT_EQ(read_bytes(ours_).find("Withdrawing-4711"), std::string::npos);
-  EXPECT_EQ(value("SELECT count(*) FROM tombstone"), "1");
+  EXPECT_EQ(value("SELECT count(DISTINCT salt) FROM tombstone"), "1");
   EXPECT_EQ(merge({first_}).tombstones.size(), 0u);
   SessionRow again = make_fake_session(5);
   again.participant = "Withdrawing-4711";

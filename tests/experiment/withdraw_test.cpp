@@ -79,6 +79,28 @@ TEST_F(Withdraw, LeavesNoByteOfCodeOrAnswersAndAllOfTheOthers) {
   EXPECT_EQ(log.load_events(1).size(), 1u + 40 + 39 + 1);
 }
 
+// Logs of old may hold two codes that differ in the case of letters alone.
+TEST_F(Withdraw, InOtherLettersIsKnownTooButForSomebodyElse) {
+  const auto begin = [](const std::string& code, int index) {
+    SessionRow row = make_fake_session(index);
+    row.participant = code;
+    return row;
+  };
+  {
+    TrialLog log(path_, true);
+    log.append_session(begin("Anna7", 0), make_fake_trials(2));
+    log.append_session(begin("anna7", 1), make_fake_trials(2));
+  }
+  withdraw_participant(path_, "Anna7");
+  TrialLog log(path_);
+  ASSERT_EQ(log.load_sessions().size(), 1u);
+  EXPECT_FALSE(log.has_withdrawn("anna7")) << "somebody else's";
+  EXPECT_TRUE(log.has_withdrawn("ANNA7"));
+  for (const std::string code : {"Anna7", "ANNA7", "aNNa7"})
+    EXPECT_THROW(log.append_session(begin(code, 2), {}), InputError) << code;
+  EXPECT_EQ(log.count_withdrawn(), 1);
+}
+
 // Mutant: rows deleted as SQLite deletes them by itself. The search must find what stayed.
 TEST_F(Withdraw, WithoutOverwritingItsBytesAreFound) {
   make_log();
@@ -299,7 +321,7 @@ TEST_F(Withdraw, TheCodeInOtherLettersIsRefusedToo) {
   TrialLog log(path_);
   row.participant = "q7-cdf";
   EXPECT_THAT(message_of<InputError>([&] { log.append_session(row, make_fake_trials(2)); }),
-              HasSubstr("Q7-CDF, withdrawn on"));
+              HasSubstr("q7-cdf, withdrawn on"));
   row.participant = "Q7-CDG";
   EXPECT_NO_THROW(log.append_session(row, make_fake_trials(2)));
 }
