@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <utility>
 
@@ -18,6 +19,18 @@ namespace fs = std::filesystem;
 constexpr std::size_t kPlaceDigits = 15;  // of a file's length, which is below 2^63
 
 fs::path lock_of(const fs::path& log) { return log.string() + ".lock"; }
+
+// Whoever may write the log may take its lock, of a shared log the group too; as far as this user can say so.
+void share_like_log(int descriptor, const fs::path& log) {
+  struct stat of_log {
+  }, of_lock{};
+  if (::stat(log.c_str(), &of_log) != 0 || ::fstat(descriptor, &of_lock) != 0) return;
+  const mode_t mode = 0600 | (of_log.st_mode & 0060);
+  if (of_lock.st_uid != ::geteuid()) return;
+  if (of_lock.st_gid != of_log.st_gid && ::fchown(descriptor, static_cast<uid_t>(-1), of_log.st_gid) != 0)
+    return;
+  if ((of_lock.st_mode & 0777) != mode) ::fchmod(descriptor, mode);
+}
 
 struct flock find_place(const std::string& session, short type) {
   struct flock place {};
@@ -39,6 +52,7 @@ SessionLock::SessionLock(const fs::path& log, const std::string& session) {
   const fs::path path = lock_of(log);
   descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (descriptor_ < 0) fail(path, "cannot be opened");
+  share_like_log(descriptor_, log);
   struct flock place = find_place(session, F_WRLCK);
   if (::fcntl(descriptor_, F_OFD_SETLK, &place) == 0) return;
   is_busy_ = errno == EAGAIN || errno == EACCES;

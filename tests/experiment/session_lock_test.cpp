@@ -101,6 +101,18 @@ TEST_F(SessionLockTest, WritesNobodysCodeAndMakesNoFileForWhoAsks) {
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
+// Of a log that a group may write each of the group takes the lock in turn.
+TEST_F(SessionLockTest, MayBeTakenByWhoMayWriteTheLog) {
+  namespace fs = std::filesystem;
+  const fs::path lock = folder_ / "responses.sqlite.lock";
+  folder_.write("responses.sqlite", "");
+  for (const unsigned mode : {0660U, 0640U, 0600U, 0664U}) {
+    fs::permissions(log_, static_cast<fs::perms>(mode));
+    EXPECT_FALSE(SessionLock(log_, kSession).is_busy());
+    EXPECT_EQ(fs::status(lock).permissions(), static_cast<fs::perms>(mode & 0660U));
+  }
+}
+
 TEST_F(SessionLockTest, SaysWhereItCannotBeMade) {
   EXPECT_THAT([&] { SessionLock(folder_ / "missing/log", kSession); },
               ThrowsMessage<StoreError>(HasSubstr("missing/log.lock: cannot be opened: No such file")));
