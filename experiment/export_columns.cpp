@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "experiment/field_notes.h"
+
 namespace equilux {
 namespace {
 
@@ -235,7 +237,8 @@ const std::vector<ExportColumn<SessionRecord>>& session_columns() {
 const std::vector<ExportColumn<FieldRecord>>& field_columns() {
   static const std::vector<ExportColumn<FieldRecord>> columns = {
       {kSessionNote, [](Field f) { return f.session.row.uuid; }},
-      {{"name", "text", "", "", "what was asked or measured; docs/responses.md names them"},
+      {{"name", "text", "", "",
+        "what was asked or measured; the dictionary has a line for each, of the table fields.name"},
        [](Field f) { return f.name; }},
       {{"value", "text", "as the name says", "", "the answer or measurement"},
        [](Field f) { return f.value; }}};
@@ -310,6 +313,7 @@ std::string format_data_dictionary() {
       " ([more](responses.md)).\n\n# CSV\n`sessions.csv`, `fields.csv`, `trials.csv`, `events.csv`, and"
       " `dictionary.csv`, which says of them what stands here.\n";
   for (const TableNote& table : describe_tables(ExportFormat::kCsv)) text += format_table(table);
+  text += format_table({"fields.name", "What each `name` of `fields` says.", field_notes()});
   text += "\n# BIDS\n`participants.tsv` and `sub-LABEL/beh/sub-LABEL_task-EXPERIMENT_beh.tsv`.\n";
   for (const TableNote& table : describe_tables(ExportFormat::kBids)) text += format_table(table);
   return text;

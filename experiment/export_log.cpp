@@ -9,6 +9,7 @@
 #include "base/json.h"
 #include "base/version.h"
 #include "experiment/delimited.h"
+#include "experiment/field_notes.h"
 
 namespace equilux {
 namespace {
@@ -47,7 +48,9 @@ std::string format_levels(const ColumnNote& note) {
 
 std::string format_dictionary() {
   std::string text = format_fields({"table", "column", "type", "unit", "clock", "meaning"}, ',', "");
-  for (const TableNote& table : describe_tables(ExportFormat::kCsv)) {
+  std::vector<TableNote> tables = describe_tables(ExportFormat::kCsv);
+  tables.push_back({"fields.name", "", field_notes()});
+  for (const TableNote& table : tables) {
     for (const ColumnNote& note : table.columns)
       text += format_fields({table.name, note.name, format_levels(note), note.unit, note.clock, note.meaning},
                             ',', "");

@@ -16,6 +16,11 @@ void count_trial(SessionOutcome& summary, const TrialRow& trial) {
   if (trial.answer == trial.test_side) ++summary.catch_right;
 }
 
+// A window that gets the focus back, or a monitor that returns, disturbs nobody more.
+bool is_disturbance(const std::string& kind) {
+  return kind == "slow_frame" || kind == "focus_lost" || kind == "resized" || kind == "monitor_disconnected";
+}
+
 }  // namespace
 
 std::string format_state(SessionState state) {
@@ -33,6 +38,9 @@ SessionOutcome find_outcome(const SessionRow& row, const std::vector<TrialRow>& 
                             const std::vector<EventRow>& events) {
   SessionOutcome summary;
   for (const TrialRow& trial : trials) count_trial(summary, trial);
+  for (const EventRow& event : events) {
+    if (is_disturbance(event.kind)) ++summary.notes[event.kind];
+  }
   const auto reason = find_abort_reason(events);
   if (row.complete) {
     summary.state = SessionState::kComplete;

@@ -1,6 +1,7 @@
 // What became of a session, counted from its rows.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct SessionOutcome {
   int too_fast = 0;
   int catch_answered = 0;
   int catch_right = 0;
+  std::map<std::string, int> notes;  ///< by kind: what happened to the screen and may have disturbed
 };
 
 std::string format_state(SessionState state);

@@ -31,13 +31,19 @@ std::string format_end(const SessionOutcome& summary) {
   return "";
 }
 
+std::string format_notes(const SessionOutcome& summary) {
+  std::vector<std::string> notes;
+  for (const auto& [kind, count] : summary.notes) notes.push_back(fmt::format("{} {}", kind, count));
+  return notes.empty() ? "" : fmt::format("  {}", fmt::join(notes, ", "));
+}
+
 std::string format_line(const TrialLog& log, const SessionRow& row) {
   const SessionOutcome summary = find_outcome(row, log.load_trials(row.id), log.load_events(row.id));
-  return fmt::format("{:7}  {:8}{:11}{:5}  {:20}{:11}{:>9}{:>10}{:>13}  {}{}\n", row.id,
+  return fmt::format("{:7}  {:8}{:11}{:5}  {:20}{:11}{:>9}{:>10}{:>13}  {}{}{}\n", row.id,
                      format_kind(row.kind), format_experiment(row.experiment), row.subject_index,
                      row.participant, format_state(summary.state),
                      fmt::format("{}/{}", summary.answered, summary.trials), summary.too_fast,
-                     format_catch(summary), row.started_utc, format_end(summary));
+                     format_catch(summary), row.started_utc, format_notes(summary), format_end(summary));
 }
 
 std::string format_next(const TrialLog& log, const std::vector<SessionRow>& sessions, Experiment experiment) {

@@ -41,6 +41,14 @@ TEST_F(Status, TellsCompleteUnfinishedAndAbortedSessionsApart) {
               ContainsRegex("person +artifact +3 +P3 +unfinished +0/3.*interrupted: the window was closed"));
 }
 
+TEST_F(Status, TellsWhatHappenedToTheScreen) {
+  TrialLog log(folder_.responses(), true);
+  const auto id = log.append_session(make_fake_session(), make_fake_trials(2));
+  for (const char* kind : {"slow_frame", "focus_lost", "focus_gained", "slow_frame", "pause", "continue"})
+    log.append_event(id, kind, 5);
+  EXPECT_THAT(format_status(folder_), HasSubstr("Z  focus_lost 1, slow_frame 2\n"));
+}
+
 TEST_F(Status, CountsTooFastAnswersAndCatchTrials) {
   auto trials = make_fake_trials(4);
   trials[1].phase = trials[2].phase = trials[3].phase = Phase::kCatch;

@@ -177,5 +177,55 @@ TEST_F(InputTest, EscapeMustBeHeldForTwoSecondsOnEnd) {
   EXPECT_FALSE(input_.find_pause(5 * kSecond).has_value());
 }
 
+constexpr int kCode = 262;
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+// The window library lets go of all keys when the focus goes, and takes the next repeat for a press.
+TEST(HeldKeys, AKeyThatIsHeldWhileTheFocusGoesAndComesRepeats) {
+  HeldKeys keys;
+  EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode, kSecond), InputKind::kKeyPress);
+  keys.lose_focus(2 * kSecond);
+  EXPECT_EQ(keys.read(InputKind::kKeyRelease, kCode, 2 * kSecond), InputKind::kKeyRelease);
+  keys.gain_focus(5 * kSecond);
+  EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode, 5 * kSecond + 40), InputKind::kKeyRepeat);
+  EXPECT_EQ(keys.read(InputKind::kKeyRepeat, kCode, 5 * kSecond + 80), InputKind::kKeyRepeat);
+  EXPECT_EQ(keys.read(InputKind::kKeyRelease, kCode, 6 * kSecond), InputKind::kKeyRelease);
+  EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode, 6 * kSecond + 1), InputKind::kKeyPress);
+}
+
+TEST(HeldKeys, IsHeldThroughSeveralLossesOfFocus) {
+  HeldKeys keys;
+  keys.read(InputKind::kKeyPress, kCode, 1);
+  for (const std::int64_t at : {2, 3}) {
+    keys.lose_focus(at * kSecond);
+    keys.read(InputKind::kKeyRelease, kCode, at * kSecond);
+    keys.gain_focus(at * kSecond + 1);
+    EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode, at * kSecond + 2), InputKind::kKeyRepeat);
+  }
+}
+
+// The window system tells a loss twice, and a return that is over before the key repeats.
+TEST(HeldKeys, IsHeldWhereTheFocusFlickers) {
+  HeldKeys keys;
+  keys.read(InputKind::kKeyPress, kCode, 1);
+  keys.lose_focus(2 * kSecond);
+  keys.read(InputKind::kKeyRelease, kCode, 2 * kSecond);
+  keys.lose_focus(2 * kSecond + 1);
+  keys.gain_focus(3 * kSecond);
+  keys.lose_focus(3 * kSecond + 1);
+  keys.gain_focus(4 * kSecond);
+  EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode, 4 * kSecond + 1), InputKind::kKeyRepeat);
+}
+
+TEST(HeldKeys, APressCountsOfAKeyThatWasUpOrHasHadTimeToRepeat) {
+  HeldKeys keys;
+  keys.read(InputKind::kKeyPress, kCode, 1);
+  keys.lose_focus(2);
+  keys.read(InputKind::kKeyRelease, kCode, 2);
+  keys.gain_focus(kSecond);
+  EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode + 1, kSecond + 1), InputKind::kKeyPress);
+  EXPECT_EQ(keys.read(InputKind::kKeyPress, kCode, kSecond + kRefocusNs), InputKind::kKeyPress);
+}
+
 }  // namespace
 }  // namespace equilux

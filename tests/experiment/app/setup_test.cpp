@@ -3,6 +3,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <set>
+
+#include "experiment/field_notes.h"
+#include "experiment/intake.h"
 
 namespace equilux {
 namespace {
@@ -132,6 +136,37 @@ TEST(SetupTest, TheRefreshRateIsThatOfTheMedianInterval) {
   }
   EXPECT_FALSE(find_refresh_hz({5, 5, 5, 5}).has_value());
   EXPECT_FALSE(find_refresh_hz({1, 2}).has_value());
+}
+
+// What is not of this program's window: a merge's, a lane's.
+std::set<std::string> list_other_fields() { return {"prompt", "lane", "clock_behind_hours", "renamed_from"}; }
+
+TEST(FieldNotes, DescribeEveryFieldThatASessionWrites) {
+  std::set<std::string> written = list_other_fields();
+  const ViewingSetup setup = find_setup({0.5, 0, 0.6}, make_facts(), kTarget, kPicture);
+  for (const auto& [name, value] : find_screen_fields(setup, make_facts())) written.insert(name);
+  SessionProtocol protocol;
+  protocol.consent = Consent{"1", {"text"}};
+  Intake intake;
+  for (const Question question :
+       {Question::kAgeBand, Question::kAcuity, Question::kColourVision, Question::kAmbientLight})
+    intake.answers[question] = enumerate_choices(question).front();
+  for (const auto& [name, value] : find_fields(intake, protocol)) written.insert(name);
+  std::set<std::string> described;
+  for (const ColumnNote& note : field_notes()) described.insert(note.name);
+  EXPECT_EQ(described, written);
+}
+
+TEST(FieldNotes, NameTheLevelsOfEveryQuestion) {
+  for (const Question question :
+       {Question::kAgeBand, Question::kAcuity, Question::kColourVision, Question::kAmbientLight}) {
+    std::vector<std::string> described;
+    for (const ColumnNote& note : field_notes()) {
+      if (note.name != format_question(question)) continue;
+      for (const auto& [level, meaning] : note.levels) described.push_back(level);
+    }
+    EXPECT_EQ(described, enumerate_choices(question)) << format_question(question);
+  }
 }
 
 }  // namespace
