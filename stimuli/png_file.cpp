@@ -37,26 +37,26 @@ PixelSize load_png_size(const std::filesystem::path& path) {
   return {number(16), number(20)};
 }
 
-LdrImage load_png(const std::filesystem::path& path) {
-  const std::string bytes = load_text(path);
+LdrImage load_png(const std::filesystem::path& path) { return decode_png(load_text(path), path.string()); }
+
+LdrImage decode_png(std::string_view bytes, const std::string& name) {
   PngImage png;
   if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) {
-    throw InputError(path.string(), "", "a PNG file", png.message);
+    throw InputError(name, "", "a PNG file", png.message);
   }
   if (png.width > kMaxSide || png.height > kMaxSide) {
-    throw InputError(path.string(), "", fmt::format("at most {} x {} pixels", kMaxSide, kMaxSide),
+    throw InputError(name, "", fmt::format("at most {} x {} pixels", kMaxSide, kMaxSide),
                      fmt::format("{} x {}", png.width, png.height));
   }
   // A row takes at least a bit a pixel and a byte for its filter: what cannot be in the file gets no memory.
   if ((png.width / 8 + std::size_t{1}) * png.height > kMostInflated * bytes.size()) {
-    throw InputError(path.string(), "",
-                     fmt::format("the {} x {} pixels that it declares", png.width, png.height),
+    throw InputError(name, "", fmt::format("the {} x {} pixels that it declares", png.width, png.height),
                      fmt::format("{} bytes, too few for them", bytes.size()));
   }
   png.format = PNG_FORMAT_RGB;
   LdrImage image(static_cast<int>(png.width), static_cast<int>(png.height));
   if (!png_image_finish_read(&png, nullptr, image.values.data(), 0, nullptr)) {
-    throw InputError(path.string(), "", "a whole PNG file", png.message);
+    throw InputError(name, "", "a whole PNG file", png.message);
   }
   return image;
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "stimuli/image.h"
 
@@ -12,6 +13,9 @@ namespace equilux {
 /// errors: InputError for a missing, damaged or larger than 16,384 x 16,384 file, and for one that declares
 /// more pixels than its bytes can hold.
 LdrImage load_png(const std::filesystem::path& path);
+
+/// The same of a file's bytes; `name` is the file's in messages.
+LdrImage decode_png(std::string_view bytes, const std::string& name);
 
 /// As a PNG file says it first, without reading more; 0 x 0 where it is none.
 PixelSize load_png_size(const std::filesystem::path& path);

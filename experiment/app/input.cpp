@@ -3,6 +3,28 @@
 
 namespace equilux {
 
+void HeldKeys::lose_focus(std::int64_t time_ns) {
+  if (has_focus_ && time_ns - gained_ns_ >= kRefocusNs) held_.clear();
+  held_.insert(down_.begin(), down_.end());
+  has_focus_ = false;
+}
+
+void HeldKeys::gain_focus(std::int64_t time_ns) {
+  has_focus_ = true;
+  gained_ns_ = time_ns;
+}
+
+InputKind HeldKeys::read(InputKind kind, int code, std::int64_t time_ns) {
+  if (kind == InputKind::kKeyRelease) {
+    down_.erase(code);
+    if (has_focus_) held_.erase(code);
+    return kind;
+  }
+  down_.insert(code);
+  const bool is_held = held_.erase(code) > 0 && time_ns - gained_ns_ < kRefocusNs;
+  return is_held ? InputKind::kKeyRepeat : kind;
+}
+
 void PageGuard::open(std::int64_t time_ns, std::int64_t guard_ns, bool needs_quiet) {
   from_ns_ = time_ns + guard_ns;
   guard_ns_ = guard_ns;

@@ -52,6 +52,27 @@ struct InputEvent {
   int modifiers = 0;
 };
 
+inline constexpr std::int64_t kRefocusNs =
+    1'000'000'000;  ///< a key held over a loss of focus repeats by then
+
+/// Keys that stay down while the window has not the keyboard: the window library reports them as let go, and
+/// their next repeat as a press.
+class HeldKeys {
+ public:
+  void lose_focus(std::int64_t time_ns);
+  void gain_focus(std::int64_t time_ns);
+
+  /// What a key's event is: a repeat where the key was held over the time without focus. Every event is to be
+  /// told, in order.
+  InputKind read(InputKind kind, int code, std::int64_t time_ns);
+
+ private:
+  bool has_focus_ = true;
+  std::int64_t gained_ns_ = 0;
+  std::set<int> down_;
+  std::set<int> held_;  ///< down when the focus was lost, as far as is known still
+};
+
 /// Keeps from a page what was begun before anybody can have seen it: presses before the guard time is over,
 /// and keys and buttons held from before, until they are pressed anew.
 class PageGuard {

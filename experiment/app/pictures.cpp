@@ -5,37 +5,44 @@
 
 #include "base/digest.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "stimuli/png_file.h"
 
 namespace equilux {
 namespace {
 
-// The path of a picture whose bytes are those of the manifest.
-std::filesystem::path find_picture(const StudyFolder& folder, const Manifest& manifest,
-                                   const std::string& key) {
+const PictureRecord& find_record(const StudyFolder& folder, const Manifest& manifest,
+                                 const std::string& key) {
   const auto found = manifest.pictures.find(key);
-  if (found == manifest.pictures.end()) {
+  if (found == manifest.pictures.end())
     throw InputError(folder.manifest().string(), "/pictures", "the picture " + key, "none");
-  }
-  std::filesystem::path path = folder.root / found->second.file;
-  const std::string digest = digest_file(path);
-  if (digest != found->second.digest) {
-    throw InputError(path.string(), "", fmt::format("the digest {} of the manifest", found->second.digest),
+  return found->second;
+}
+
+void check_digest(const std::filesystem::path& path, const std::string& digest, const PictureRecord& record) {
+  if (digest != record.digest) {
+    throw InputError(path.string(), "", fmt::format("the digest {} of the manifest", record.digest),
                      digest + ": the picture was changed after it was made");
   }
-  return path;
 }
 
 }  // namespace
 
 void check_pictures(const StudyFolder& folder, const Manifest& manifest,
                     const std::vector<std::string>& keys) {
-  for (const std::string& key : keys) find_picture(folder, manifest, key);
+  for (const std::string& key : keys) {
+    const PictureRecord& record = find_record(folder, manifest, key);
+    const std::filesystem::path path = folder.root / record.file;
+    check_digest(path, digest_file(path), record);
+  }
 }
 
 LdrImage load_picture(const StudyFolder& folder, const Manifest& manifest, const std::string& key) {
-  const std::filesystem::path path = find_picture(folder, manifest, key);
-  LdrImage image = load_png(path);
+  const PictureRecord& record = find_record(folder, manifest, key);
+  const std::filesystem::path path = folder.root / record.file;
+  const std::string bytes = load_text(path);
+  check_digest(path, digest_text(bytes), record);
+  LdrImage image = decode_png(bytes, path.string());
   if (image.width != manifest.width || image.height != manifest.height) {
     throw InputError(path.string(), "", fmt::format("{} x {} pixels", manifest.width, manifest.height),
                      fmt::format("{} x {}", image.width, image.height));
@@ -50,12 +57,17 @@ std::vector<std::string> list_keys_by_place(const TrialRow& trial) {
   return keys;
 }
 
-TrialPictures load_trial_pictures(const StudyFolder& folder, const Manifest& manifest,
-                                  const TrialRow& trial) {
-  const auto keys = list_keys_by_place(trial);
-  const auto load = [&](const std::string& key) { return Texture(load_picture(folder, manifest, key)); };
-  TrialPictures pictures{load(keys[0]), load(keys[1]), std::nullopt};
-  if (keys.size() > 2) pictures.upper = load(keys[2]);
+std::vector<LdrImage> load_trial_images(const StudyFolder& folder, const Manifest& manifest,
+                                        const TrialRow& trial) {
+  std::vector<LdrImage> images;
+  for (const std::string& key : list_keys_by_place(trial))
+    images.push_back(load_picture(folder, manifest, key));
+  return images;
+}
+
+TrialPictures upload_trial(const std::vector<LdrImage>& images) {
+  TrialPictures pictures{Texture(images.at(0)), Texture(images.at(1)), std::nullopt};
+  if (images.size() > 2) pictures.upper = Texture(images[2]);
   return pictures;
 }
 

@@ -43,7 +43,12 @@ FamiliarPictures load_familiar_pictures(const StudyFolder& folder, const Manifes
 
 void draw_pictures(const FamiliarPictures& pictures, const Layout& layout);
 
-TrialPictures load_trial_pictures(const StudyFolder& folder, const Manifest& manifest, const TrialRow& trial);
+/// A trial's pictures by their places, from any thread. errors: as load_picture
+std::vector<LdrImage> load_trial_images(const StudyFolder& folder, const Manifest& manifest,
+                                        const TrialRow& trial);
+
+/// Of what load_trial_images gives. Needs a current GL context.
+TrialPictures upload_trial(const std::vector<LdrImage>& images);
 
 /// Draws them at their places in the back buffer.
 void draw_pictures(const TrialPictures& pictures, const Layout& layout);

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kMetresPerInch = 0.0254;
 constexpr const char* kReadOn = "There is more below (Page Down).";
+constexpr float kCardMargin = 24;   // from the edges of the screen; units: pixels
 constexpr int kFramesToSettle = 3;  // ImGui knows after two how long a page is
 
 template <std::size_t n>
@@ -96,29 +97,41 @@ std::string describe_degrees(const ViewingSetup& setup) {
       setup.degrees->high, 1000 * setup.pitch->x_m, setup.pitch_source);
 }
 
-// A bar as wide as a card, to be compared with a real one.
+// A bar as wide as a card, to be compared with a real one; on a fine screen wider than the page.
 void draw_card(int card_px) {
-  const ImVec2 corner = ImGui::GetCursorScreenPos();
-  const float width = static_cast<float>(card_px), height = 36;
-  ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(corner, ImVec2(corner.x + width, corner.y + height), IM_COL32(240, 240, 240, 255));
-  list->AddRect(corner, ImVec2(corner.x + width, corner.y + height), IM_COL32(0, 0, 0, 255));
-  ImGui::Dummy(ImVec2(width, height));
+  constexpr float kHeight = 36;
+  const auto width = static_cast<float>(card_px);
+  const float right = ImGui::GetIO().DisplaySize.x - kCardMargin, from = ImGui::GetCursorScreenPos().x;
+  const ImVec2 corner(std::max(kCardMargin, std::min(from, right - width)), ImGui::GetCursorScreenPos().y);
+  const ImVec2 end(corner.x + width, corner.y + kHeight), top = ImGui::GetWindowPos();
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  list->PushClipRect(ImVec2(0, top.y), ImVec2(right + kCardMargin, top.y + ImGui::GetWindowHeight()));
+  list->AddRectFilled(corner, end, IM_COL32(240, 240, 240, 255));
+  list->AddRect(corner, end, IM_COL32(0, 0, 0, 255));
+  list->PopClipRect();
+  ImGui::Dummy(ImVec2(0, kHeight));
 }
 
 void draw_card_form(SetupForm& form) {
-  constexpr int kLeast = 100;
+  constexpr int kLeast = 40;
   ImGui::TextWrapped(
       "Hold a bank card to the bar and change the bar until it is as wide as the card's long side.");
   bool holds = form.card_px > 0;
   if (ImGui::Checkbox("a card is held to the screen (F3)", &holds)) switch_card(form);
   if (form.card_px == 0) return;
-  const int most = std::max(kLeast, static_cast<int>(ImGui::GetContentRegionAvail().x));
+  const int most = std::max(kLeast + 1, static_cast<int>(ImGui::GetIO().DisplaySize.x - 2 * kCardMargin));
   ImGui::SetNextItemWidth(-1);
   form.was_card_matched |= ImGui::SliderInt("##card", &form.card_px, kLeast, most, "%d pixels");
+  const bool fits = form.card_px > kLeast && form.card_px < most;
   form.card_px = std::clamp(form.card_px, kLeast, most);
+  form.was_card_matched &= fits;
   draw_card(form.card_px);
-  if (!form.was_card_matched) ImGui::TextWrapped("The bar was not changed yet: the card does not count.");
+  if (!fits) {
+    ImGui::TextWrapped("The bar goes from %d to %d pixels: at an end of these the card does not count.",
+                       kLeast, most);
+  } else if (!form.was_card_matched) {
+    ImGui::TextWrapped("The bar was not changed yet: the card does not count.");
+  }
 }
 
 void draw_radio(const Texts& texts, const SessionProtocol& protocol, Intake& intake,
@@ -265,6 +278,7 @@ std::optional<bool> draw_consent(Gui& gui, Size framebuffer, const Texts& texts,
   const Page page(gui, framebuffer, texts.at("consent_title"), PageKind::kText,
                   texts.at(form.is_read ? "more_below" : "consent_read_on"));
   for (const std::string& paragraph : consent.text) page.say(paragraph);
+  page.say(fmt::format("({})", consent.version));
   form.is_read = form.is_read || (++form.frames > kFramesToSettle && page.is_seen());
   std::optional<bool> choice;
   form.focused.reset();

@@ -2,6 +2,7 @@
 #include "experiment/app/session_window.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "base/error.h"
@@ -99,6 +100,7 @@ void SessionWindow::run() {
     note_changes();
     pause_unless_it_fits();  // before an answer to a pair that is not as it was
     read_input();
+    upload_ahead();
     if (pilot_) fly();
     if (is_left_) return;
     if (const auto pause = input_.find_pause(read_clock_ns())) take(*pause);
@@ -135,12 +137,15 @@ void SessionWindow::carry_out(const SessionEffect& effect) {
   record_effect(seat_->log, seat_->open.row.id, effect);
   if (const auto* note = std::get_if<RecordNote>(&effect)) ++seat_->notes[note->kind];
   if (std::holds_alternative<RecordAbort>(effect)) ++seat_->notes["abort"];
+  // The last page may stand for hours, and somebody may copy the log meanwhile.
+  if (is_over()) seat_->log.empty_wal();
 }
 
 void SessionWindow::show(int trial) {
   pause_unless_it_fits();
   if (session().screen != Screen::kTrial) return;
   load_ahead(trial);
+  if (loading_ && loading_->number == trial) finish_loading();
   shown_ = std::move(next_);
   next_.reset();
   const std::int64_t begin_ns = read_clock_ns();
@@ -158,16 +163,35 @@ void SessionWindow::show(int trial) {
   if (trial + 1 < static_cast<int>(session().trials.size())) load_ahead(trial + 1);
 }
 
-// Decoding and uploading are done while the subject looks at the pair before.
+// Files are read and decoded beside the window, which takes every press when it comes, however slow the disk.
 void SessionWindow::load_ahead(int trial) {
   if (next_ && next_->number == trial) return;
+  if (loading_ && loading_->number == trial) return;
   if (shown_ && shown_->number == trial) {  // after a pause
     next_ = std::move(shown_);
     shown_.reset();
     return;
   }
+  next_.reset();
   const TrialRow& row = session().trials.at(static_cast<std::size_t>(trial));
-  next_ = LoadedTrial{trial, load_trial_pictures(work_->folder(), work_->manifest, row)};
+  loading_ = LoadingTrial{trial, std::async(std::launch::async, [work = work_, row] {
+                            std::vector<LdrImage> images =
+                                load_trial_images(work->folder(), work->manifest, row);
+                            AppWindow::wake();
+                            return images;
+                          })};
+}
+
+void SessionWindow::finish_loading() {
+  LoadingTrial loading = std::move(*loading_);
+  loading_.reset();
+  next_ = LoadedTrial{loading.number, upload_trial(loading.images.get())};
+}
+
+// Into the graphics card while the subject looks at the pair before.
+void SessionWindow::upload_ahead() {
+  constexpr std::chrono::seconds kNow(0);
+  if (!next_ && loading_ && loading_->images.wait_for(kNow) == std::future_status::ready) finish_loading();
 }
 
 // The planted subject in the person's place.

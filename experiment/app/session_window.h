@@ -1,9 +1,11 @@
 // The session on the screen: events from the window in, effects of the state machine carried out in order.
 #pragma once
 
+#include <future>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "experiment/app/gui.h"
 #include "experiment/app/input.h"
@@ -39,6 +41,11 @@ class SessionWindow {
     int number = 0;
     TrialPictures pictures;
   };
+  /// A trial whose pictures are being read.
+  struct LoadingTrial {
+    int number = 0;
+    std::future<std::vector<LdrImage>> images;
+  };
   /// A page of the familiarisation likewise.
   struct LoadedPage {
     int number = 0;
@@ -50,6 +57,8 @@ class SessionWindow {
   void carry_out(const SessionEffect& effect);
   void show(int trial);
   void load_ahead(int trial);
+  void finish_loading();
+  void upload_ahead();
   void read_input();
   void read_page_key(const InputEvent& event);
   void read_pause_key(const InputEvent& event);
@@ -82,6 +91,7 @@ class SessionWindow {
   SubjectInput input_;
   std::optional<LoadedTrial> shown_;
   std::optional<LoadedTrial> next_;
+  std::optional<LoadingTrial> loading_;
   std::optional<LoadedPage> page_;
   PauseForm pause_;
   bool is_new_page_ = true;

@@ -176,6 +176,7 @@ struct AppWindow::Callbacks {
 
   static void key(GLFWwindow* window, int code, int scancode, int action, int modifiers) {
     InputEvent event = of(window).make_event(name_key_action(action));
+    event.kind = of(window).keys_.read(event.kind, code, event.time_ns);
     event.key = name_key(code);
     event.code = code;
     event.scancode = scancode;
@@ -212,6 +213,11 @@ struct AppWindow::Callbacks {
   }
   static void focus(GLFWwindow* window, int focused) {
     add_change(of(window), focused ? "focus_gained" : "focus_lost", "");
+    if (focused) {
+      of(window).keys_.gain_focus(read_clock_ns());
+    } else {
+      of(window).keys_.lose_focus(read_clock_ns());
+    }
   }
   // GLFW tells this to no window in particular.
   static void monitor(GLFWmonitor* monitor, int event) {
@@ -339,6 +345,8 @@ void AppWindow::return_to_monitor() {
   glfwFocusWindow(window_);
   is_damaged_ = true;
 }
+
+void AppWindow::wake() { glfwPostEmptyEvent(); }
 
 std::vector<InputEvent> AppWindow::take_events() { return std::exchange(events_, {}); }
 

@@ -60,6 +60,9 @@ class AppWindow {
   void resize(Size size);
   Size framebuffer() const;
 
+  /// Ends the wait of the window that waits now. From any thread.
+  static void wake();
+
   /// Waits for input for at most `seconds`, then collects it; 0 collects without waiting.
   void wait(double seconds);
   /// What was collected, in order; each once.
@@ -96,6 +99,7 @@ class AppWindow {
   GLFWmonitor* returned_ = nullptr;  ///< the same, back since the window was last looked at
   bool fills_monitor_ = false;
   bool is_displaced_ = false;  ///< its monitor has gone since the window was last looked at
+  HeldKeys keys_;
   std::vector<InputEvent> events_;
   std::vector<WindowChange> changes_;
   bool is_damaged_ = true;

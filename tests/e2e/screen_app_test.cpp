@@ -1,5 +1,6 @@
 // What happens to the screen of a session: another size of the window, frames that come late, larger letters.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <gmock/gmock.h>
@@ -250,6 +251,74 @@ TEST_F(ScreenAppTest, APairThatComesLateIsNotedAndToldAtTheEnd) {
   std::map<int, int> ms_by_trial;
   for (const std::string& event : late) ms_by_trial.insert(find_ms(event));
   EXPECT_GE(ms_by_trial[3], 120) << testing::PrintToString(late);
+}
+
+// Of a disk that spins up, or a folder of another machine: the files of the next pair are read while this one
+// waits for its answer, which is timed when it is pressed.
+TEST_F(ScreenAppTest, AnAnswerIsTimedWhenItIsPressedHoweverSlowlyTheNextPairIsRead) {
+  constexpr int kReadMs = 2000;  // of a file
+  const StudyFolder folder = make_study(kSmallPlan);
+  const std::filesystem::path slow = folder_.path() / "slow";
+  XDisplay display;
+  auto environment = come_late(slow, kReadMs);
+  environment["LD_PRELOAD"] = EQUILUX_SLOW_READ;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"), environment);
+  const auto trials = go_to_trial(display, session, Experiment::kArtifact, 1);
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_TRUE(session.stays(trials[1]));  // the pair after it has been read
+  save_text(slow, "");
+  session.answer_by_key(choose_side(1));
+  session.wait_for_trial(trials[2]);
+  ASSERT_FALSE(HasFatalFailure());
+  session.answer_by_key(choose_side(2));
+  const std::int64_t pressed_ns = std::chrono::steady_clock::now().time_since_epoch().count();
+  session.wait_for_trial(trials[3]);
+  ASSERT_FALSE(HasFatalFailure());
+  std::filesystem::remove(slow);
+  const std::int64_t answered_ns = std::stoll(
+      RawDatabase(folder.responses()).value("SELECT time_ns FROM event WHERE kind = 'answer' AND trial = 2"));
+  EXPECT_LT(answered_ns - pressed_ns, kReadMs / 2 * 1'000'000LL);
+  EXPECT_GT(std::chrono::steady_clock::now().time_since_epoch().count() - pressed_ns, kReadMs * 1'000'000LL)
+      << "otherwise nothing was slow";
+}
+
+// A window of another program comes in front while an answer's key is down.
+TEST_F(ScreenAppTest, AKeyThatIsHeldOverALossOfFocusAnswersOnce) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const auto trials = go_to_trial(display, session, Experiment::kArtifact, 1);
+  ASSERT_FALSE(HasFatalFailure());
+  display.press_key("Right");  // answers, and stays down
+  session.wait_for_trial(trials[2]);
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_TRUE(session.stays(trials[2]));  // the server repeats the key by now
+  for (int times = 0; times < 3; ++times) {
+    display.take_focus();
+    display.give_focus_back();
+    EXPECT_TRUE(session.stays(trials[2])) << times;
+  }
+  EXPECT_GE(load_events(folder, "'focus_lost'").size(), 3u);
+  display.release_key("Right");
+  session.answer_by_key(Side::kLeft);
+  session.wait_for_trial(trials[3]);
+}
+
+// The page may stand until the experimenter comes, who copies the log first.
+TEST_F(ScreenAppTest, TheLogIsWholeInItsFileWhileTheLastPageStands) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const auto trials = go_to_trial(display, session, Experiment::kArtifact, 0);
+  ASSERT_FALSE(HasFatalFailure());
+  answer_all(session, trials, 0, kSmallArtifactTrials);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  const auto copy = folder_.path() / "copy.sqlite";
+  std::filesystem::copy_file(folder.responses(), copy);
+  const TrialLog log = TrialLog::load_snapshot(copy);
+  ASSERT_EQ(log.load_sessions().size(), 1u);
+  EXPECT_TRUE(log.load_sessions()[0].complete);
 }
 
 // A Tab's press and release are a frame apart, which must not look like a key that is held.

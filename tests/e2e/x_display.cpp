@@ -193,6 +193,18 @@ void XDisplay::resize_windows(int width, int height) {
   XSync(display, False);
 }
 
+void XDisplay::take_focus() {
+  int revert = 0;
+  XGetInputFocus(connection_->display, &focused_, &revert);
+  XSetInputFocus(connection_->display, DefaultRootWindow(connection_->display), RevertToNone, CurrentTime);
+  XSync(connection_->display, False);
+}
+
+void XDisplay::give_focus_back() {
+  XSetInputFocus(connection_->display, focused_, RevertToNone, CurrentTime);
+  XSync(connection_->display, False);
+}
+
 void XDisplay::unplug_monitor() {
   if (!monitor_) monitor_ = std::make_unique<MonitorSwitch>(connection_->display);
   monitor_->set(false);

@@ -38,6 +38,10 @@ class XDisplay {
   /// Makes every window that can be seen another size, as a window manager does.
   void resize_windows(int width, int height);
 
+  /// The keyboard goes to no window, as while another program's is in front, and back to the one that had it.
+  void take_focus();
+  void give_focus_back();
+
   /// Takes the only monitor out of the desktop, as if it were unplugged, and puts it back; what is on the
   /// screen stays there.
   void unplug_monitor();
@@ -54,6 +58,7 @@ class XDisplay {
   std::unique_ptr<ChildProcess> server_;
   std::unique_ptr<Connection> connection_;
   std::unique_ptr<MonitorSwitch> monitor_;
+  unsigned long focused_ = 0;  ///< the window whose focus was taken
 };
 
 }  // namespace equilux
