@@ -102,6 +102,7 @@ struct StartInput {
   std::deque<InputEvent> waiting;
   bool is_submitted = false;
   PageGuard guard;
+  EscapeHold escape;
 };
 
 void read_start_input(Gui& gui, StartForm& form, StartInput& input) {
@@ -132,8 +133,10 @@ bool ask(AppWindow& window, Gui& gui, StartForm& form, StartInput& input) {
   if (!gui.has_events() && std::exchange(input.is_submitted, false)) return true;
   window.wait(gui.has_events() || !input.waiting.empty() ? 0 : kPatienceS);
   for (const InputEvent& event : window.take_events()) {
+    input.escape.read(event);
     if (input.guard.admit(event)) input.waiting.push_back(event);
   }
+  if (input.escape.take(read_clock_ns())) window.close();
   read_start_input(gui, form, input);
   return false;
 }

@@ -25,6 +25,18 @@ InputKind HeldKeys::read(InputKind kind, int code, std::int64_t time_ns) {
   return is_held ? InputKind::kKeyRepeat : kind;
 }
 
+void EscapeHold::read(const InputEvent& event) {
+  if (event.key != Key::kEscape) return;
+  if (event.kind == InputKind::kKeyPress) since_ns_ = event.time_ns;
+  if (event.kind == InputKind::kKeyRelease) since_ns_.reset();
+}
+
+bool EscapeHold::take(std::int64_t now_ns) {
+  if (!since_ns_ || now_ns - *since_ns_ < kPauseHoldNs) return false;
+  since_ns_.reset();
+  return true;
+}
+
 void PageGuard::open(std::int64_t time_ns, std::int64_t guard_ns, bool needs_quiet) {
   from_ns_ = time_ns + guard_ns;
   guard_ns_ = guard_ns;
@@ -68,6 +80,7 @@ void SubjectInput::open(std::int64_t onset_ns) { onset_ns_ = onset_ns; }
 
 std::optional<SessionEvent> SubjectInput::read(const InputEvent& event, Screen screen) {
   is_admitted_ = guard_.admit(event);
+  escape_.read(event);
   switch (event.kind) {
     case InputKind::kKeyPress:
       return read_key_press(event, screen);
@@ -88,8 +101,7 @@ std::optional<SessionEvent> SubjectInput::read(const InputEvent& event, Screen s
 }
 
 std::optional<SessionEvent> SubjectInput::find_pause(std::int64_t now_ns) {
-  if (!escape_ns_ || now_ns - *escape_ns_ < kPauseHoldNs) return std::nullopt;
-  escape_ns_.reset();
+  if (!escape_.take(now_ns)) return std::nullopt;
   onset_ns_.reset();
   return PauseEvent{now_ns};
 }
@@ -121,9 +133,6 @@ std::optional<SessionEvent> SubjectInput::read_key_press(const InputEvent& event
       return press(Source::kLeftKey, Side::kLeft, event.time_ns);
     case Key::kRight:
       return press(Source::kRightKey, Side::kRight, event.time_ns);
-    case Key::kEscape:
-      escape_ns_ = event.time_ns;
-      return std::nullopt;
     case Key::kSpace:
     case Key::kEnter:
       return turn(event.time_ns, screen);
@@ -148,7 +157,6 @@ void SubjectInput::release(const InputEvent& event) {
   if (event.kind != InputKind::kKeyRelease) return;
   if (event.key == Key::kLeft) down_.erase(Source::kLeftKey);
   if (event.key == Key::kRight) down_.erase(Source::kRightKey);
-  if (event.key == Key::kEscape) escape_ns_.reset();
 }
 
 }  // namespace equilux

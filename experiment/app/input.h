@@ -12,8 +12,9 @@
 
 namespace equilux {
 
-inline constexpr std::int64_t kPauseHoldNs = 2'000'000'000;  ///< Escape is held this long to pause a session
-inline constexpr std::int64_t kPageGuardNs = 300'000'000;    ///< a page takes no press before that
+/// Escape is held this long to pause a session, and to leave the pages before it.
+inline constexpr std::int64_t kPauseHoldNs = 2'000'000'000;
+inline constexpr std::int64_t kPageGuardNs = 300'000'000;       ///< a page takes no press before that
 inline constexpr std::int64_t kConsentGuardNs = 1'000'000'000;  ///< likewise, of the consent text
 inline constexpr int kAnswerButton = 0;                         ///< the left mouse button
 
@@ -71,6 +72,18 @@ class HeldKeys {
   std::int64_t gained_ns_ = 0;
   std::set<int> down_;
   std::set<int> held_;  ///< down when the focus was lost, as far as is known still
+};
+
+/// Escape, held until something is left that nobody should leave by accident.
+class EscapeHold {
+ public:
+  /// Every event is to be told, in order.
+  void read(const InputEvent& event);
+  /// True once when it has been held long enough; it must then be let go first.
+  bool take(std::int64_t now_ns);
+
+ private:
+  std::optional<std::int64_t> since_ns_;
 };
 
 /// Keeps from a page what was begun before anybody can have seen it: presses before the guard time is over,
@@ -132,7 +145,7 @@ class SubjectInput {
   std::optional<std::int64_t> onset_ns_;  ///< empty while closed
   PageGuard guard_;
   bool is_admitted_ = true;
-  std::optional<std::int64_t> escape_ns_;  ///< since when Escape is down
+  EscapeHold escape_;
 };
 
 }  // namespace equilux

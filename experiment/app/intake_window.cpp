@@ -40,20 +40,23 @@ bool draw_frames(AppWindow& window, Gui& gui, const RunningPage& page, int frame
   return is_left;
 }
 
-// False if the window was closed.
+// False if the window was closed, or Escape held: nothing is recorded yet, or nothing more.
 bool run_page(AppWindow& window, Gui& gui, const RunningPage& page) {
   if (draw_frames(window, gui, page, 1)) return true;
   PageGuard guard;
   open_guard(window, gui, guard, page.guard_ns, page.needs_quiet);
   if (draw_frames(window, gui, page, kFramesToSettle)) return true;
+  EscapeHold escape;
   std::deque<InputEvent> waiting;  // each is read when what came before it has been laid out
   while (!window.is_closing()) {
     const bool was_key = gui.has_events();
     if (draw_frames(window, gui, page, was_key ? kFramesToMove : 1)) return true;
     window.wait(gui.has_events() || !waiting.empty() ? 0 : kPatienceS);
     for (const InputEvent& event : window.take_events()) {
+      escape.read(event);
       if (guard.admit(event)) waiting.push_back(event);
     }
+    if (escape.take(read_clock_ns())) window.close();
     if (gui.has_events() || waiting.empty()) continue;
     const InputEvent event = waiting.front();
     waiting.pop_front();

@@ -237,7 +237,8 @@ bool leave_setup(SetupForm& form) {
 
 bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& form) {
   const Page page(gui, framebuffer, "Set-up, for the experimenter", PageKind::kForm, kReadOn);
-  page.say(fmt::format("Participant {}, {} experiment. {}", view.participant, view.experiment,
+  page.say(fmt::format("Participant {}, {} experiment. {} Escape, held for two seconds, leaves without it.",
+                       view.participant, view.experiment,
                        view.goes_on_with.empty() ? "A new session." : view.goes_on_with));
   if (!view.clock.empty()) page.warn(view.clock);
   page.say(describe_setup(view));

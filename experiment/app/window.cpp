@@ -356,6 +356,8 @@ bool AppWindow::take_damage() { return std::exchange(is_damaged_, false); }
 
 bool AppWindow::is_closing() const { return glfwWindowShouldClose(window_) != 0; }
 
+void AppWindow::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+
 InputEvent AppWindow::make_event(InputKind kind) const {
   InputEvent event;
   event.kind = kind;

@@ -72,6 +72,8 @@ class AppWindow {
   /// True once after the window system lost part of the picture.
   bool take_damage();
   bool is_closing() const;
+  /// As if the user had closed it.
+  void close();
 
   /// The monitor on which the window was opened is gone; the window is on another one, if there is any. When
   /// it is back the window is put there again, as it was.

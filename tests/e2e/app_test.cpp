@@ -362,6 +362,22 @@ TEST_F(AppTest, EscapePausesOnlyWhenItIsHeldAndAnEndedSessionCanGoOn) {
   EXPECT_EQ(session.count_answers(id), 1);
 }
 
+TEST_F(AppTest, EscapeHeldLeavesTheStartScreenAndTheSetUpAndNothingIsRecorded) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  auto to_setup = arguments_for(folder, "artifact");
+  to_setup.push_back("--setup");
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{}, to_setup}) {
+    XDisplay display;
+    WatchedSession session(display, folder, kSmallPlan, arguments);
+    if (arguments.empty()) session.wait_for_page("");
+    if (!arguments.empty()) session.wait_for_error("");  // that the picture is small
+    ASSERT_FALSE(HasFatalFailure());
+    display.press_key("Escape");
+    EXPECT_EQ(session.program().wait(), 0);
+    EXPECT_FALSE(std::filesystem::exists(folder.responses()));
+  }
+}
+
 TEST_F(AppTest, WhenTheLogCannotBeWrittenTheSessionStopsAndNothingMoreIsShown) {
   const StudyFolder folder = make_study(kSmallPlan);
   XDisplay display;

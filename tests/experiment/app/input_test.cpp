@@ -177,6 +177,20 @@ TEST_F(InputTest, EscapeMustBeHeldForTwoSecondsOnEnd) {
   EXPECT_FALSE(input_.find_pause(5 * kSecond).has_value());
 }
 
+TEST(EscapeHold, IsTakenOnceAfterTwoSecondsUntilItIsLetGo) {
+  EscapeHold hold;
+  EXPECT_FALSE(hold.take(kPauseHoldNs));
+  hold.read(press(Key::kEscape, 100));
+  EXPECT_FALSE(hold.take(99 + kPauseHoldNs));
+  EXPECT_TRUE(hold.take(100 + kPauseHoldNs));
+  hold.read(key(InputKind::kKeyRepeat, Key::kEscape, 200 + kPauseHoldNs));
+  EXPECT_FALSE(hold.take(3 * kPauseHoldNs));
+  hold.read(release(Key::kEscape, 3 * kPauseHoldNs));
+  hold.read(press(Key::kEscape, 3 * kPauseHoldNs));
+  hold.read(release(Key::kLeft, 3 * kPauseHoldNs + 1));
+  EXPECT_TRUE(hold.take(4 * kPauseHoldNs));
+}
+
 constexpr int kCode = 262;
 constexpr std::int64_t kSecond = 1'000'000'000;
 
