@@ -28,7 +28,7 @@ const std::string kBin = EQUILUX_BIN_DIR;
 // Large enough that it is still at work when it is paused and cancelled.
 fs::path write_study(const test::TinyStudy& tiny) {
   Json json = tiny.load().source;
-  json.set("image", parse_json(R"({"width":96,"height":72})", ""));
+  json.set("image", parse_json(R"({"width":64,"height":48})", ""));
   json.set("paths", parse_json(R"({"object_indirect":256,"object_direct":64,"background":64})", ""));
   const fs::path path = tiny.folder() / "study.json";
   save_text(path, format_json(json));

@@ -21,7 +21,7 @@ const std::string kVictim = "3/4";
 // Large enough that a share is still at work when it is killed.
 fs::path write_study(const test::TinyStudy& tiny) {
   Json json = tiny.load().source;
-  json.set("image", parse_json(R"({"width":96,"height":72})", ""));
+  json.set("image", parse_json(R"({"width":64,"height":48})", ""));
   json.set("paths", parse_json(R"({"object_indirect":256,"object_direct":64,"background":64})", ""));
   const fs::path path = tiny.folder() / "a study.json";
   save_text(path, format_json(json));
@@ -41,7 +41,8 @@ pid_t find_worker(const std::string& share) {
     const int pid = std::atoi(entry.path().filename().c_str());
     if (pid <= 1) continue;
     std::ifstream file(entry.path() / "cmdline", std::ios::binary);
-    std::string words((std::istreambuf_iterator<char>(file)), {});
+    std::string words;  // none where the process has ended meanwhile
+    std::getline(file, words);
     std::replace(words.begin(), words.end(), '\0', ' ');
     if (words.starts_with(EQUILUX_BIN_DIR "/equilux-render set ") &&
         words.ends_with(fmt::format("--job {} ", share)))
