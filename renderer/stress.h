@@ -26,8 +26,8 @@ StressRow expect_input_error(std::string subject, std::string what, const std::f
 
 /// BRDFs: roughness from 1e-4 to 1, cosines down to 1e-7.
 std::vector<StressRow> stress_materials();
-/// VPLs on, near and behind the point; extreme powers and clamps; 25 million of them.
-std::vector<StressRow> stress_vpls();
+/// VPLs on, near and behind the point; extreme powers and clamps; so many millions of them.
+std::vector<StressRow> stress_vpls(int millions = 25);
 /// Bounds around the point, and cuts through lights of every distance and power.
 std::vector<StressRow> stress_lightcuts();
 /// Scenes scaled, degenerate meshes, lights where they should not be.

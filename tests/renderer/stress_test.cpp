@@ -14,7 +14,9 @@ void expect_to_hold(const std::vector<StressRow>& rows) {
 }
 
 TEST(Stress, OfMaterialsHolds) { expect_to_hold(stress_materials()); }
-TEST(Stress, OfVplsHolds) { expect_to_hold(stress_vpls()); }
+// Of five million a plain sum in float would miss by .3 and .6 per cent as they come and strongest first; the
+// command takes 25 million.
+TEST(Stress, OfVplsHolds) { expect_to_hold(stress_vpls(5)); }
 TEST(Stress, OfLightcutsHolds) { expect_to_hold(stress_lightcuts()); }
 TEST(Stress, OfScenesHolds) { expect_to_hold(stress_scenes()); }
 TEST(Stress, OfPicturesHolds) { expect_to_hold(stress_pictures()); }
