@@ -180,11 +180,12 @@ DisplayNoise find_noise(const Stage& stage, const FamilyLayers& layers) {
                                make_tone_curve(reference, stage.coverage, ToneMapping{}));
 }
 
-constexpr double kTarget = 1.5;
+constexpr double kTarget = 2;
+constexpr int kWidth = 48, kHeight = 36;
 
 class CompensatedRooms : public testing::Test {
  protected:
-  Stage stage_{load_cafe(), "G0", {"MS", "GS", "LG"}, 80, 60};
+  Stage stage_{load_cafe(), "G0", {"MS", "GS", "LG"}, kWidth, kHeight};
   ReferenceParams params_ = make_params(kTarget);
   BackgroundPlan plan_ = plan_background(stage_.world, stage_.primary, params_, test::no_progress());
 };
@@ -255,7 +256,8 @@ class KeptRooms : public CompensatedRooms {
     Run run;
     std::atomic<double> paths = 0;
     const FamilyProgress progress{[&](double done) { paths += done; }, [](double) {}};
-    const RoomStages stages(folder_ / "room", {members_.begin(), members_.begin() + materials}, {80, 60});
+    const RoomStages stages(folder_ / "room", {members_.begin(), members_.begin() + materials},
+                            {kWidth, kHeight});
     run.plan = plan_background(stage_.world, stage_.primary, params_, progress, stages);
     const RoomScene scene{stage_.world, std::span(stage_.materials).first(materials), stage_.primary};
     run.rooms = trace_planned_backgrounds(scene, run.plan, params_, progress, stages);
@@ -448,19 +450,20 @@ TEST(RoomStageBytes, ThatNoRoomCouldHaveAreRefused) {
   EXPECT_FALSE(parse_stage<BackgroundPlan>(writer.take(), size, "test")) << "paths without an end";
 }
 
-// What the standard error layer says is what two rooms differ by: over six of each.
+// What the standard error layer says is what two rooms differ by: over four of each. The ratio errs by some
+// .07.
 TEST(CompensatedRoom, KnowsItsError) {
   const Stage stage(load_cafe(), "G0", {"GS"}, 48, 36);
+  const BackgroundPlan plan =
+      plan_background(stage.world, stage.primary, make_params(2.5), test::no_progress());
+  ASSERT_TRUE(plan.by_sets);
   double squares = 0, errors = 0;
-  std::vector<Background> runs;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const ReferenceParams params = make_params(1.5, seed);
-    const BackgroundPlan plan = plan_background(stage.world, stage.primary, params, test::no_progress());
-    ASSERT_TRUE(plan.by_sets);
-    runs.push_back(std::move(trace_planned_backgrounds(stage.room(), plan, params, test::no_progress())[0]));
-  }
-  for (std::size_t run = 0; run < runs.size(); run += 2) {
-    const TracedLayer &a = runs[run].layer, &b = runs[run + 1].layer;
+  for (std::uint64_t seed = 2; seed <= 8; seed += 2) {
+    const auto trace = [&](std::uint64_t its_seed) {
+      return trace_planned_backgrounds(stage.room(), plan, make_params(2.5, its_seed), test::no_progress())[0]
+          .layer;
+    };
+    const TracedLayer a = trace(seed), b = trace(seed + 1);
     for (std::size_t i = 0; i < stage.coverage.pixel_count(); ++i) {
       if (stage.coverage.values[i] > 0) continue;
       squares += std::pow(a.mean.pixel(i)[1] - b.mean.pixel(i)[1], 2);

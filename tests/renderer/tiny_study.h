@@ -44,10 +44,12 @@ class TinyStudy {
         .set("seed", seed);
     json.set("image", parse_json(R"({"width":24,"height":18})", "")).set("subpixel_positions", 2);
     if (compensated) {
-      json.set("image", parse_json(R"({"width":64,"height":48})", ""));
-      const double outside = variant == "compensated-room" ? 3 : 60;  // a room that is worth keeping
-      json.set("noise_target",
-               Json().set("object_mean", 3.0).set("object_p99", 9.0).set("outside_mean", outside));
+      const bool room = variant == "compensated-room";  // that is worth keeping
+      json.set("image", parse_json(R"({"width":48,"height":36})", ""));
+      json.set("noise_target", Json()
+                                   .set("object_mean", room ? 6.0 : 3.0)
+                                   .set("object_p99", room ? 18.0 : 9.0)
+                                   .set("outside_mean", room ? 3.0 : 60.0));
     } else {
       json.set("reference", "path");
       json.set("paths", parse_json(R"({"object_indirect":32,"object_direct":32,"background":32})", ""));
