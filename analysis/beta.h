@@ -4,22 +4,22 @@
 #include <boost/random/normal_distribution.hpp>
 #include <cstdint>
 
-#include "base/random.h"
+#include "base/random_run.h"
 
 namespace equilux {
 
-/// A RandomStream as Boost draws from it.
+/// A stream as Boost draws from it.
 class RandomBits {
  public:
   using result_type = std::uint32_t;
-  explicit RandomBits(const RandomStream& stream) : stream_(stream) {}
+  explicit RandomBits(const RandomRun& stream) : stream_(stream) {}
   static constexpr result_type min() { return 0; }
   static constexpr result_type max() { return ~result_type{0}; }
   result_type operator()() { return stream_.next_u32(); }
   double next_double() { return stream_.next_double(); }
 
  private:
-  RandomStream stream_;
+  RandomRun stream_;
 };
 
 /// Gamma distribution of unit scale. errors: EQ_CHECK of a shape below 1/2, as no posterior here has: draws

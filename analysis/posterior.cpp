@@ -10,7 +10,7 @@
 
 #include "analysis/beta.h"
 #include "analysis/resampled.h"
-#include "base/random.h"
+#include "base/random_run.h"
 
 namespace equilux {
 namespace {
@@ -35,7 +35,7 @@ Count count_of(double proportion, std::int64_t n) {
 // Draws of one cell's proportion from its posterior, as counts in which n keeps its weight among the others.
 std::vector<Count> draw_cell(const Count& count, std::int64_t largest_n, const std::string& stream,
                              const PosteriorParams& params) {
-  RandomBits bits(RandomStream(params.seed, stream, 0));
+  RandomBits bits(RandomRun(params.seed, stream, 0));
   Beta posterior = make_beta(count);
   const std::int64_t n = count.n * (kDrawScale / largest_n);
   std::vector<Count> draws(static_cast<std::size_t>(params.draws));
@@ -67,7 +67,7 @@ double draw_above_half(Beta& posterior, RandomBits& bits) {
 
 std::vector<Count> lift_above_half(std::vector<Count> draws, const Count& count, const std::string& stream,
                                    std::uint64_t seed) {
-  RandomBits bits(RandomStream(seed, stream, 0));
+  RandomBits bits(RandomRun(seed, stream, 0));
   Beta posterior = make_beta(count);
   for (Count& draw : draws) {
     if (2 * draw.k < draw.n) draw = count_of(draw_above_half(posterior, bits), draw.n);

@@ -10,7 +10,7 @@
 #include "analysis/order_draws.h"
 #include "base/below.h"
 #include "base/error.h"
-#include "base/random.h"
+#include "base/random_run.h"
 
 namespace equilux {
 namespace {
@@ -137,7 +137,7 @@ double find_flip_p(const std::vector<double>& values, std::uint64_t seed) {
       far += std::abs(sum_flipped(values, signs)) >= seen ? 1 : 0;
     return static_cast<double>(far) / static_cast<double>(all);
   }
-  RandomStream random(seed, kOrderFlipStream, 0);
+  RandomRun random(seed, kOrderFlipStream, 0);
   int far = 1;
   for (int draw = 0; draw < kOrderDraws; ++draw) {
     double sum = 0;
@@ -150,7 +150,7 @@ double find_flip_p(const std::vector<double>& values, std::uint64_t seed) {
 }
 
 Interval find_mean_interval(const std::vector<double>& values, std::uint64_t seed) {
-  RandomStream random(seed, kOrderBootstrapStream, 0);
+  RandomRun random(seed, kOrderBootstrapStream, 0);
   const Below below(values.size());
   std::vector<double> means(kOrderDraws);
   for (double& mean : means) {

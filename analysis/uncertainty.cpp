@@ -14,7 +14,7 @@
 #include "analysis/weighted_counts.h"
 #include "base/below.h"
 #include "base/error.h"
-#include "base/random.h"
+#include "base/random_run.h"
 
 namespace equilux {
 namespace {
@@ -123,7 +123,7 @@ class Redrawn {
     std::vector<Lanes> weights(subjects_);
     const Below below(std::max<std::size_t>(subjects_, 1));
     for (int number = first; number < end; ++number) {
-      RandomStream random(key_, static_cast<std::uint64_t>(number));
+      RandomRun random(key_, static_cast<std::uint64_t>(number));
       const auto lane = static_cast<std::size_t>(number - first);
       for (std::size_t i = 0; i < subjects_; ++i) weights[below(random)].add(lane, 1);
     }

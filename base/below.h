@@ -17,7 +17,9 @@ class Below {
     limit_ = UINT64_MAX - (UINT64_MAX % count + 1) % count;
   }
 
-  std::uint64_t operator()(RandomStream& random) const {
+  /// `Random` is a RandomStream or a RandomRun.
+  template <typename Random>
+  std::uint64_t operator()(Random& random) const {
     for (;;) {
       const std::uint64_t value = random.next_u64();
       if (value <= limit_) return find_remainder(value);

@@ -20,7 +20,7 @@ TEST(Beta, is_drawn_as_it_is_distributed) {
       {.5, .5},      {.5, 1.5}, {1.5, .5}, {.5, 12.5}, {12.5, .5}, {9.5, 3.5}, {750000.5, 250000.5},
       {1e6 + .5, .5}};
   for (const auto& [a, b] : shapes) {
-    RandomBits bits(RandomStream(7, "beta", static_cast<std::uint64_t>(2 * a + 1e7 * b)));
+    RandomBits bits(RandomRun(7, "beta", static_cast<std::uint64_t>(2 * a + 1e7 * b)));
     Beta drawn(a, b);
     const boost::math::beta_distribution<double> exact(a, b);
     std::vector<double> counts(kBins, 0);

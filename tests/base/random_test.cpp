@@ -7,6 +7,7 @@
 
 #include "base/below.h"
 #include "base/error.h"
+#include "base/random_run.h"
 
 namespace equilux {
 namespace {
@@ -118,6 +119,28 @@ TEST(Below, DrawsWhatNextBelowDraws) {
     for (int i = 0; i < 200; ++i) ASSERT_EQ(below(one), other.next_below(count)) << count;
   }
   EXPECT_THROW(Below(0), CheckFailure);
+}
+
+// Over several refills, in draws of both sizes, so that one of 64 bits falls between two refills.
+TEST(RandomRun, DrawsWhatItsStreamDraws) {
+  for (const std::uint64_t index : {0ULL, 1ULL, 0xffffffffULL, 1ULL << 32, ~0ULL}) {
+    RandomRun run(~0ULL - index, "run", index);
+    RandomStream stream(~0ULL - index, "run", index);
+    for (int i = 0; i < 500; ++i) {
+      ASSERT_EQ(run.next_u64(), stream.next_u64()) << index << ", " << i;
+      if (i % 7 == 0) {
+        ASSERT_EQ(run.next_u32(), stream.next_u32()) << index << ", " << i;
+      }
+      ASSERT_EQ(run.next_double(), stream.next_double()) << index << ", " << i;
+    }
+  }
+}
+
+TEST(Below, DrawsTheSameFromARun) {
+  RandomRun run(44, "below", 3);
+  RandomStream stream(44, "below", 3);
+  const Below below(3ULL << 62);
+  for (int i = 0; i < 200; ++i) ASSERT_EQ(below(run), below(stream)) << i;
 }
 
 TEST(Below, HasTheRemainderAtTheEndsOfEachMultiple) {
