@@ -84,7 +84,7 @@ class Reader {
   int read_number() const {
     const std::int64_t number = row_.integer(kTrial);
     if (number < 0 || number > std::numeric_limits<int>::max())
-      refuse(kTrial, "trial", "its place in the order of showing: 0, 1, ...");
+      refuse(kTrial, "trial", kTrialNumber);
     return static_cast<int>(number);
   }
   std::uint32_t read_cell() {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -64,9 +65,19 @@ SessionRow read_session(const Statement& row, const std::string& source) {
   return session;
 }
 
-TrialRow read_trial(const Statement& row, const std::string& source) {
+// A number of a damaged log may be any of 64 bits: cut to 32 it would be that of another trial.
+int read_trial_number(const Statement& row, const std::string& source, std::int64_t session) {
+  const std::int64_t number = row.integer(0);
+  if (number < 0 || number > std::numeric_limits<int>::max()) {
+    throw InputError(source, fmt::format("session {}, trial {}: trial", session, number), kTrialNumber,
+                     fmt::format("{}; {}", number, kDamageAdvice));
+  }
+  return static_cast<int>(number);
+}
+
+TrialRow read_trial(const Statement& row, const std::string& source, std::int64_t session) {
   TrialRow trial;
-  trial.number = static_cast<int>(row.integer(0));
+  trial.number = read_trial_number(row, source, session);
   trial.phase = parse_phase(row.text(1), source);
   trial.cell = parse_cell(row.text(2), source, "trial/cell");
   trial.test_key = row.text(3);
@@ -81,11 +92,16 @@ TrialRow read_trial(const Statement& row, const std::string& source) {
   return trial;
 }
 
-std::map<std::string, std::string> load_fields(const Database& database, std::int64_t session) {
-  Statement statement(database, "SELECT name, value FROM field WHERE session = ?", session);
-  std::map<std::string, std::string> fields;
-  while (statement.step()) fields[statement.text(0)] = statement.text(1);
-  return fields;
+// Of all sessions, in their order: a question for each would be prepared as often as a log has sessions. Of
+// the table itself, since its index may lack a row.
+void load_fields(const Database& database, std::vector<SessionRow>& sessions) {
+  Statement row(database, "SELECT session, name, value FROM field NOT INDEXED ORDER BY session");
+  auto session = sessions.begin();
+  while (row.step()) {
+    while (session != sessions.end() && session->id < row.integer(0)) ++session;
+    if (session == sessions.end()) return;
+    if (session->id == row.integer(0)) session->fields[row.text(1)] = row.text(2);
+  }
 }
 
 // A path is absolute, so that no station is mistaken for the beginning of one.
@@ -131,7 +147,7 @@ std::vector<SessionRow> load_sessions(const Database& database) {
       " FROM session JOIN participant ON participant.id = participant ORDER BY session.id");
   std::vector<SessionRow> sessions;
   while (statement.step()) sessions.push_back(read_session(statement, database.name()));
-  for (SessionRow& session : sessions) session.fields = load_fields(database, session.id);
+  load_fields(database, sessions);
   return sessions;
 }
 
@@ -141,7 +157,7 @@ std::vector<TrialRow> load_trials(const Database& database, std::int64_t session
                       " response_time_ns, answered_utc, too_fast FROM trial WHERE session = ? ORDER BY trial",
                       session);
   std::vector<TrialRow> trials;
-  while (statement.step()) trials.push_back(read_trial(statement, database.name()));
+  while (statement.step()) trials.push_back(read_trial(statement, database.name(), session));
   check_numbers(database.name(), session, trials);
   return trials;
 }
@@ -152,8 +168,9 @@ std::vector<EventRow> load_events(const Database& database, std::int64_t session
                 session);
   std::vector<EventRow> events;
   while (row.step()) {
-    events.push_back({row.is_null(0) ? std::nullopt : std::optional(static_cast<int>(row.integer(0))),
-                      row.text(1), row.integer(2), row.text(3), row.text(4)});
+    const auto trial =
+        row.is_null(0) ? std::nullopt : std::optional(read_trial_number(row, database.name(), session));
+    events.push_back({trial, row.text(1), row.integer(2), row.text(3), row.text(4)});
   }
   return events;
 }

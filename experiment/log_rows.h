@@ -27,6 +27,9 @@ bool is_of(const Tombstone& tombstone, const std::string& code);
 /// The tombstone of a code, if its participant withdrew; of small or capital letters only as it stands there.
 std::optional<Tombstone> find_tombstone(const std::vector<Tombstone>& tombstones, const std::string& code);
 
+/// What the number of a trial is.
+inline constexpr const char* kTrialNumber = "its place in the order of showing: 0, 1, ...";
+
 /// Of a session's trials, sorted. errors: InputError where one of them is not there
 template <typename Trial>
 void check_numbers(const std::string& source, std::int64_t session, const std::vector<Trial>& trials) {

@@ -182,6 +182,27 @@ TEST_F(BrokenRows, OfATableThatTakesAnyTypeAreRefusedByItsChecks) {
   }
 }
 
+// Of which the lower 32 bits are a number as it should be.
+TEST_F(BrokenRows, ANumberOfATrialThatHasNoPlaceIsNamedAndNotCutToOneThatHas) {
+  change("UPDATE trial SET trial = trial + 4294967296 WHERE session = 1");
+  const auto expect_named = [&](const std::string& message) {
+    EXPECT_THAT(message, AllOf(StartsWith(path_.string()), HasSubstr("keep this file as it is"),
+                               HasSubstr("session 1, trial 4294967296: trial: expected its place in the "
+                                         "order of showing: 0, 1, ..., got 4294967296;")));
+  };
+  expect_named(message_of<InputError>([&] { TrialLog(path_).load_trials(1); }));
+  expect_named(refusal_by_tables());
+  EXPECT_NO_THROW(TrialLog(path_).load_trials(2));
+}
+
+TEST_F(BrokenRows, AnEventOfATrialThatHasNoPlaceIsNamed) {
+  change("UPDATE event SET trial = -4294967296 WHERE session = 1 AND trial = 0");
+  EXPECT_THAT(
+      message_of<InputError>([&] { TrialLog(path_).load_events(1); }),
+      AllOf(StartsWith(path_.string()), HasSubstr("session 1, trial -4294967296: trial: expected its"),
+            HasSubstr("got -4294967296; keep this file as it is")));
+}
+
 TEST_F(BrokenRows, ATrialThatIsNotThereIsNamed) {
   change("DELETE FROM trial WHERE session = 1 AND trial = 3");
   EXPECT_THAT(refusal_by_tables(), HasSubstr("session 1: expected its trial 3, got none: the next is 4"));
