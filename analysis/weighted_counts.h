@@ -20,6 +20,7 @@ struct Lanes {
 
   void add(std::size_t lane, std::uint32_t more) { (lane < 8 ? first : second)[lane % 8] += more; }
   std::uint32_t operator[](std::size_t lane) const { return (lane < 8 ? first : second)[lane % 8]; }
+  Lanes operator-(const Lanes& other) const { return {first - other.first, second - other.second}; }
 };
 
 /// Of one cell. shape: one for each resample
@@ -43,10 +44,15 @@ class WeightedCounts {
   struct CellRows {
     std::vector<std::uint32_t> correct;
     std::vector<std::uint32_t> asked;
-    bool asks_all_once = false;  // then `asked` is empty
+    bool are_wrong = false;    // then `correct` has what is not correct of what was asked
+    bool are_unasked = false;  // then `asked` has those who were not asked, and the others were once
   };
 
+  // `all`: the sums of the weights.
+  std::vector<LaneCounts> add_cells(const auto& weights, const Lanes& all) const;
+
   std::size_t subjects_;
+  std::uint16_t most_times_ = 0;  // that a subject was asked in one cell
   std::vector<CellRows> cells_;
 };
 

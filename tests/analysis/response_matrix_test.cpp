@@ -40,7 +40,8 @@ TEST(ResponseMatrix, counts_what_the_tally_counts) {
   for (std::size_t c = 0; c < counts.size(); ++c) EXPECT_EQ(counts[c], tally.at(matrix.cells[c]));
 }
 
-// A matrix of persons of one or several sessions, with cells that some were not asked. Seed 5, 200 matrices.
+// A matrix of persons of one or several sessions, with cells that some were not asked, and weights whose sums
+// fit into 16 bits or do not. Seed 5, 200 matrices.
 TEST(WeightedCounts, of_many_resamples_are_those_of_each) {
   RandomStream random(5, "matrices", 0);
   int all_asked = 0;
@@ -56,10 +57,11 @@ TEST(WeightedCounts, of_many_resamples_are_those_of_each) {
       matrix.asked.push_back(asked);
       matrix.correct.push_back(static_cast<std::uint16_t>(random.next_below(asked + std::uint64_t{1})));
     }
+    const std::uint64_t below = round % 2 == 0 ? 4 : 40000;
     std::vector<Lanes> weights(subjects);
     for (auto& lanes : weights) {
       for (std::size_t lane = 0; lane < kLanes; ++lane)
-        lanes.add(lane, static_cast<std::uint32_t>(random.next_below(4)));
+        lanes.add(lane, static_cast<std::uint32_t>(random.next_below(below)));
     }
     const auto counted = WeightedCounts(matrix).count(weights);
     ASSERT_EQ(counted.size(), width);
