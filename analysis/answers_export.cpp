@@ -12,8 +12,8 @@ namespace {
 using Row = std::vector<std::string>;
 
 Row answer_row(const std::string& study, SubjectKind kind, Experiment experiment,
-               const std::string& participant, const AnswerRow& answer) {
-  const Object& object = answer.cell.column.object;
+               const std::string& participant, const CountedAnswer& answer, const Cell& cell) {
+  const Object& object = cell.column.object;
   return {study,
           format_kind(kind),
           format_experiment(experiment),
@@ -22,9 +22,9 @@ Row answer_row(const std::string& study, SubjectKind kind, Experiment experiment
           object.geometry,
           object.material,
           format_illumination(object.illumination),
-          fmt::format("{}", answer.cell.column.vpl_count),
-          format_clamp(answer.cell.clamp_level, answer.cell.normalised),
-          fmt::format("{}", answer.cell.clamp_level),
+          fmt::format("{}", cell.column.vpl_count),
+          format_clamp(cell.clamp_level, cell.normalised),
+          fmt::format("{}", cell.clamp_level),
           answer.correct ? "1" : "0"};
 }
 
@@ -32,14 +32,14 @@ void add_rows(Table& table, const Report& report, Experiment experiment) {
   const ExperimentEvidence& evidence = report.evidence.of(experiment);
   std::map<std::int64_t, std::string> participants;
   for (const SessionRow& session : evidence.finished) participants[session.id] = session.participant;
-  std::vector<const AnswerRow*> sorted;
-  for (const AnswerRow& answer : evidence.answers) sorted.push_back(&answer);
-  std::sort(sorted.begin(), sorted.end(), [](const AnswerRow* a, const AnswerRow* b) {
-    return std::tie(a->session, a->cell) < std::tie(b->session, b->cell);
+  std::vector<CountedAnswer> sorted = evidence.answers.rows();
+  std::sort(sorted.begin(), sorted.end(), [&](const CountedAnswer& a, const CountedAnswer& b) {
+    return std::tie(a.session, evidence.answers.cell_of(a)) <
+           std::tie(b.session, evidence.answers.cell_of(b));
   });
-  for (const AnswerRow* answer : sorted)
+  for (const CountedAnswer& answer : sorted)
     table.rows.push_back(answer_row(report.study.name, report.evidence.kind, experiment,
-                                    participants[answer->session], *answer));
+                                    participants[answer.session], answer, evidence.answers.cell_of(answer)));
 }
 
 }  // namespace

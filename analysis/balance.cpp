@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "base/error.h"
-#include "protocols/cell_numbers.h"
 
 namespace equilux {
 namespace {
@@ -58,18 +58,18 @@ Spread measure_sessions(const SessionReadings& readings) {
 
 // Answers stand in the order of their trials within a session.
 Spread measure_cells(const ExperimentEvidence& evidence, SessionReadings readings) {
-  CellNumbers numbers;
-  std::vector<ComboCounts> counts;
-  for (const AnswerRow& answer : evidence.answers) {
-    const auto found = readings.find(answer.session);
-    if (found == readings.end()) continue;
-    const std::uint8_t combo = found->second.next(answer.session);
-    const std::uint32_t cell = numbers.number_of(answer.cell);
-    if (cell == counts.size()) counts.push_back({});
-    ++counts[cell].at(combo);
+  const Answers& answers = evidence.answers;
+  std::vector<ComboCounts> counts(answers.cells().size(), ComboCounts{});
+  auto found = readings.end();
+  std::optional<std::int64_t> session;
+  for (const CountedAnswer& answer : answers.rows()) {
+    if (session != answer.session) found = readings.find(*(session = answer.session));
+    if (found != readings.end()) ++counts[answer.cell].at(found->second.next(answer.session));
   }
   Spread spread;
-  for (const ComboCounts& of_cell : counts) add_counts(spread, of_cell);
+  for (const ComboCounts& of_cell : counts) {
+    if (of_cell != ComboCounts{}) add_counts(spread, of_cell);
+  }
   return spread;
 }
 
@@ -88,15 +88,15 @@ std::unordered_map<std::int64_t, std::size_t> number_persons(const ExperimentEvi
 std::int64_t count_most_answers(const ExperimentEvidence& evidence) {
   std::size_t persons = 0;
   const auto numbers = number_persons(evidence, persons);
-  CellNumbers cells;
-  std::vector<std::vector<std::int64_t>> answers;  // by cell, then by person
+  const std::size_t cells = evidence.answers.cells().size();
+  std::vector<std::int64_t> answers(persons * cells, 0);  // by person, then by cell
   std::int64_t most = 0;
-  for (const AnswerRow& answer : evidence.answers) {
-    const auto person = numbers.find(answer.session);
+  auto person = numbers.end();
+  std::optional<std::int64_t> session;
+  for (const CountedAnswer& answer : evidence.answers.rows()) {
+    if (session != answer.session) person = numbers.find(*(session = answer.session));
     if (person == numbers.end()) continue;
-    const std::uint32_t cell = cells.number_of(answer.cell);
-    if (cell == answers.size()) answers.emplace_back(persons, 0);
-    most = std::max(most, ++answers[cell][person->second]);
+    most = std::max(most, ++answers[person->second * cells + answer.cell]);
   }
   return most;
 }

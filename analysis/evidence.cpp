@@ -20,12 +20,14 @@ void append(std::vector<T>& all, std::vector<T>& more) {
 }
 
 // By far the most of what there is.
-void append_answers(std::vector<Evidence>& parts, ExperimentEvidence Evidence::*experiment,
-                    std::vector<AnswerRow>& all) {
+void append_answers(std::vector<Evidence>& parts, ExperimentEvidence Evidence::*experiment, Answers& all) {
   std::size_t count = 0;
   for (const Evidence& part : parts) count += (part.*experiment).answers.size();
   all.reserve(count);
-  for (Evidence& part : parts) append(all, (part.*experiment).answers);
+  for (Evidence& part : parts) {
+    all.append((part.*experiment).answers);
+    (part.*experiment).answers = {};
+  }
 }
 
 // Numbers of sessions in one log to numbers in the pool.
@@ -41,11 +43,7 @@ void renumber(ExperimentEvidence& part, std::map<std::int64_t, std::int64_t>& nu
     summary.session = number_of(summary.session);
     summary.folder = folder;
   }
-  std::int64_t before = 0, after = 0;
-  for (AnswerRow& answer : part.answers) {
-    if (answer.session != before || after == 0) after = number_of(before = answer.session);
-    answer.session = after;
-  }
+  part.answers.renumber_sessions(number_of);
 }
 
 // Whose log holds a session: one that is copied, or merged into another, is in two.
@@ -177,13 +175,19 @@ std::int64_t count_ended_early(const ExperimentEvidence& evidence) {
       [](const SessionSummary& summary) { return !summary.complete && summary.abort_reason.has_value(); });
 }
 
-std::vector<AnswerRow> select_answers(const ExperimentEvidence& evidence,
-                                      const std::vector<std::int64_t>& sessions) {
-  std::vector<AnswerRow> answers;
-  for (const AnswerRow& answer : evidence.answers) {
-    if (std::binary_search(sessions.begin(), sessions.end(), answer.session)) answers.push_back(answer);
+Answers select_answers(const ExperimentEvidence& evidence, const std::vector<std::int64_t>& sessions) {
+  Answers selected;
+  for (const Cell& cell : evidence.answers.cells()) selected.number_of(cell);
+  std::optional<std::int64_t> session;
+  bool is_selected = false;
+  for (const CountedAnswer& answer : evidence.answers.rows()) {
+    if (session != answer.session) {
+      session = answer.session;
+      is_selected = std::binary_search(sessions.begin(), sessions.end(), *session);
+    }
+    if (is_selected) selected.push_back(answer);
   }
-  return answers;
+  return selected;
 }
 
 }  // namespace equilux

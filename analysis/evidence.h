@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "analysis/answers.h"
 #include "analysis/subjects.h"
 #include "experiment/trial_log.h"
 #include "stimuli/study_folder.h"
@@ -16,7 +17,7 @@ namespace equilux {
 /// One experiment, one kind of subjects.
 struct ExperimentEvidence {
   std::vector<SessionRow> finished;  ///< in order of subject index
-  std::vector<AnswerRow> answers;    ///< of the finished sessions
+  Answers answers;                   ///< of the finished sessions
   std::int64_t unfinished = 0;       ///< sessions left out
   std::int64_t unanswered = 0;       ///< main trials of finished sessions without an answer, left out
   std::string digest;                ///< digest_answers; of a pool, of its logs' digests, sorted
@@ -78,8 +79,7 @@ Evidence load_evidence_of(const StudyFolder& folder, const Study& study, Subject
 Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::string>& folders);
 
 /// The answers of these sessions of an experiment. `sessions` is sorted.
-std::vector<AnswerRow> select_answers(const ExperimentEvidence& evidence,
-                                      const std::vector<std::int64_t>& sessions);
+Answers select_answers(const ExperimentEvidence& evidence, const std::vector<std::int64_t>& sessions);
 
 /// Digests of the selections that the material sessions were made from, finished or not, each once.
 std::vector<std::string> find_used_selections(const TrialLog& log, SubjectKind kind);

@@ -34,8 +34,12 @@ SessionSummary summarise(const LogReading& reading, const SessionRow& session,
 // The answers of one experiment and their digest.
 struct Counted {
   ExperimentEvidence& evidence;
-  const std::vector<Cell>& cells;
+  std::vector<std::uint32_t> numbers;  // of the log's cells among those of the answers
   AnswersDigest digest = {};
+
+  Counted(ExperimentEvidence& counted, const std::vector<Cell>& cells) : evidence(counted) {
+    for (const Cell& cell : cells) numbers.push_back(evidence.answers.number_of(cell));
+  }
 
   // A finished session has an answer to every trial, unless somebody changed its log.
   void add(const SessionRow& session, const std::vector<BriefTrial>& trials) {
@@ -46,7 +50,7 @@ struct Counted {
         continue;
       }
       const bool correct = *trial.answer == trial.test_side;
-      evidence.answers.push_back({session.id, session.subject_index, cells[trial.cell], correct});
+      evidence.answers.push_back(CountedAnswer{session.id, numbers[trial.cell], correct});
       digest.add(trial.cell, session.subject_index, correct);
     }
   }
@@ -56,7 +60,7 @@ struct Counted {
 ExperimentEvidence load_experiment(LogReading& reading, SubjectKind kind, Experiment experiment,
                                    const Study& study) {
   ExperimentEvidence evidence = gather_sessions(reading.sessions, kind, experiment, study, reading.source);
-  Counted counted{evidence, reading.trials.cells};
+  Counted counted(evidence, reading.trials.cells);
   for (const SessionRow& session : reading.sessions) {
     if (session.kind != kind || session.experiment != experiment) continue;
     const auto trials = std::exchange(reading.trials.by_session[session.id], {});

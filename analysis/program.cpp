@@ -127,7 +127,12 @@ bool has_answers(const FolderReading& reading) {
 std::set<Cell> find_unpictured(const FolderReading& reading, const Manifest& manifest) {
   std::set<Cell> unpictured;
   for (const ExperimentEvidence* experiment : {&reading.evidence->artifact, &reading.evidence->material}) {
-    for (const AnswerRow& answer : experiment->answers) unpictured.insert(answer.cell);
+    const Answers& answers = experiment->answers;
+    std::vector<char> is_counted(answers.cells().size(), 0);
+    for (const CountedAnswer& answer : answers.rows()) is_counted[answer.cell] = 1;
+    for (std::size_t cell = 0; cell < is_counted.size(); ++cell) {
+      if (is_counted[cell]) unpictured.insert(answers.cells()[cell]);
+    }
   }
   std::erase_if(unpictured, [&](const Cell& cell) {
     for (int view = 0; view < kViewCount; ++view) {

@@ -22,30 +22,31 @@ std::size_t place_of(const std::vector<T>& sorted, const T& value) {
   return static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
 }
 
-std::vector<Cell> find_cells(const std::vector<AnswerRow>& answers, CellNumbers& numbers,
-                             std::vector<std::uint32_t>& of_answer) {
-  for (const AnswerRow& answer : answers) of_answer.push_back(numbers.number_of(answer.cell));
-  std::vector<Cell> cells = numbers.cells();
-  std::sort(cells.begin(), cells.end());
-  std::vector<std::uint32_t> places;
-  for (const Cell& cell : numbers.cells()) {
-    places.push_back(static_cast<std::uint32_t>(place_of(cells, cell)));
+// Those with answers, sorted.
+std::vector<Cell> find_cells(const Answers& answers) {
+  std::vector<char> is_tested(answers.cells().size(), 0);
+  for (const CountedAnswer& answer : answers.rows()) is_tested[answer.cell] = 1;
+  std::vector<Cell> cells;
+  for (std::size_t cell = 0; cell < is_tested.size(); ++cell) {
+    if (is_tested[cell]) cells.push_back(answers.cells()[cell]);
   }
-  for (std::uint32_t& number : of_answer) number = places[number];
+  std::sort(cells.begin(), cells.end());
   return cells;
 }
 
-void fill(ResponseMatrix& matrix, const std::vector<AnswerRow>& answers,
-          const std::vector<std::uint32_t>& cell_of_answer) {
+void fill(ResponseMatrix& matrix, const Answers& answers) {
   const std::size_t width = matrix.cells.size();
+  std::vector<std::size_t> places;
+  for (const Cell& cell : answers.cells()) places.push_back(place_of(matrix.cells, cell));
   matrix.asked.assign(matrix.subjects() * width, 0);
   matrix.correct.assign(matrix.subjects() * width, 0);
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    const AnswerRow& answer = answers[i];
-    const std::size_t at = place_of(matrix.sessions, answer.session) * width + cell_of_answer[i];
+  std::size_t row = 0;
+  for (const CountedAnswer& answer : answers.rows()) {
+    if (matrix.sessions[row] != answer.session) row = place_of(matrix.sessions, answer.session);
+    const std::size_t at = row * width + places[answer.cell];
     if (matrix.asked[at]) {
       throw InputError("answers", fmt::format("session {}", answer.session), "one answer to each cell",
-                       format_key(answer.cell) + " twice");
+                       format_key(answers.cell_of(answer)) + " twice");
     }
     matrix.asked[at] = 1;
     matrix.correct[at] = answer.correct ? 1 : 0;
@@ -102,19 +103,16 @@ void add_to(std::uint16_t& sum, std::uint16_t more, const std::string& code) {
 
 }  // namespace
 
-ResponseMatrix make_response_matrix(const std::vector<AnswerRow>& answers) {
+ResponseMatrix make_response_matrix(const Answers& answers) {
   ResponseMatrix matrix;
-  CellNumbers numbers;
-  std::vector<std::uint32_t> cell_of_answer;
-  cell_of_answer.reserve(answers.size());
-  matrix.cells = find_cells(answers, numbers, cell_of_answer);
-  for (const AnswerRow& answer : answers) {
+  matrix.cells = find_cells(answers);
+  for (const CountedAnswer& answer : answers.rows()) {
     if (matrix.sessions.empty() || matrix.sessions.back() != answer.session)
       matrix.sessions.push_back(answer.session);
   }
   sort_once(matrix.sessions);
   matrix.persons.resize(matrix.subjects());
-  fill(matrix, answers, cell_of_answer);
+  fill(matrix, answers);
   sort_rows(matrix);
   return matrix;
 }

@@ -26,7 +26,7 @@ struct ResponseMatrix {
 };
 
 /// A subject for each session. errors: InputError for a cell that one session answered twice.
-ResponseMatrix make_response_matrix(const std::vector<AnswerRow>& answers);
+ResponseMatrix make_response_matrix(const Answers& answers);
 
 /// A subject for each person: sessions of one code, as pooled logs may have them, are added up, since they
 /// are not independent. `codes` names sessions; one without a code is a person of its own. errors: InputError

@@ -10,48 +10,51 @@ namespace equilux {
 
 namespace {
 
-// Session in the high half, cell in the low: sorted, two answers to one cell are neighbours.
-void check_answered_once(std::vector<std::uint64_t> keys, const std::vector<AnswerRow>& answers,
-                         const std::vector<Cell>& cells) {
+// Whether the sessions stand one after another, none with two answers to a cell.
+bool are_in_turn_and_once(const Answers& answers) {
+  std::vector<std::size_t> last(answers.cells().size(), 0);  // session of a cell's last answer, from 1
+  std::vector<std::int64_t> sessions;
+  for (const CountedAnswer& answer : answers.rows()) {
+    if (sessions.empty() || sessions.back() != answer.session) sessions.push_back(answer.session);
+    if (last[answer.cell] == sessions.size()) return false;
+    last[answer.cell] = sessions.size();
+  }
+  std::sort(sessions.begin(), sessions.end());
+  return std::adjacent_find(sessions.begin(), sessions.end()) == sessions.end();
+}
+
+void check_answered_once(const Answers& answers) {
+  if (are_in_turn_and_once(answers)) return;
+  std::vector<std::pair<std::int64_t, std::uint32_t>> keys;
+  for (const CountedAnswer& answer : answers.rows()) keys.emplace_back(answer.session, answer.cell);
   std::sort(keys.begin(), keys.end());
   const auto twice = std::adjacent_find(keys.begin(), keys.end());
   if (twice == keys.end()) return;
-  const Cell& cell = cells[*twice & 0xffffffff];
-  std::vector<std::int64_t> sessions;
-  for (const AnswerRow& answer : answers) {
-    if (answer.cell == cell) sessions.push_back(answer.session);
-  }
-  std::sort(sessions.begin(), sessions.end());
-  throw InputError("answers",
-                   fmt::format("session {}", *std::adjacent_find(sessions.begin(), sessions.end())),
-                   "one answer to each cell", format_key(cell) + " twice");
-}
-
-std::uint64_t make_answer_key(const AnswerRow& answer, std::uint32_t cell) {
-  return static_cast<std::uint64_t>(answer.session) << 32 | cell;
+  throw InputError("answers", fmt::format("session {}", twice->first), "one answer to each cell",
+                   format_key(answers.cells()[twice->second]) + " twice");
 }
 
 }  // namespace
 
-Tally tally_answers(const std::vector<AnswerRow>& answers, const Study& study) {
-  CellNumbers numbers;
-  for (const Cell& cell : enumerate_cells(study)) numbers.number_of(cell);
-  std::vector<Count> counts(numbers.cells().size());
-  std::vector<std::uint64_t> keys;
-  keys.reserve(answers.size());
-  for (const AnswerRow& answer : answers) {
-    const std::uint32_t number = numbers.number_of(answer.cell);
-    if (number >= counts.size()) {
-      throw InputError("answers", fmt::format("session {}", answer.session),
-                       fmt::format("a cell of the study {}", study.name), format_key(answer.cell));
-    }
-    keys.push_back(make_answer_key(answer, number));
-    ++counts[number].n;
-    counts[number].k += answer.correct ? 1 : 0;
-  }
-  check_answered_once(std::move(keys), answers, numbers.cells());
+Tally tally_answers(const Answers& answers, const Study& study) {
   Tally tally;
-  for (std::size_t i = 0; i < counts.size(); ++i) tally[numbers.cells()[i]] = counts[i];
+  for (const Cell& cell : enumerate_cells(study)) tally[cell] = {};
+  std::vector<Count*> counts;
+  for (const Cell& cell : answers.cells()) {
+    const auto found = tally.find(cell);
+    counts.push_back(found == tally.end() ? nullptr : &found->second);
+  }
+  for (const CountedAnswer& answer : answers.rows()) {
+    Count* count = counts[answer.cell];
+    if (!count) {
+      throw InputError("answers", fmt::format("session {}", answer.session),
+                       fmt::format("a cell of the study {}", study.name),
+                       format_key(answers.cell_of(answer)));
+    }
+    ++count->n;
+    count->k += answer.correct ? 1 : 0;
+  }
+  check_answered_once(answers);
   return tally;
 }
 

@@ -5,8 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "experiment/trial_log.h"
-#include "protocols/cell_numbers.h"
+#include "analysis/answers.h"
 #include "protocols/study.h"
 
 namespace equilux {
@@ -33,7 +32,7 @@ using ColumnCounts = std::vector<LevelCount>;
 
 /// Adds up the answers of one kind and experiment, in any order. errors: InputError for a cell that the study
 /// does not have, or that one session answered twice.
-Tally tally_answers(const std::vector<AnswerRow>& answers, const Study& study);
+Tally tally_answers(const Answers& answers, const Study& study);
 
 ColumnCounts counts_of(const Tally& tally, const Column& column, const Study& study);
 

@@ -16,12 +16,20 @@ std::optional<std::array<Count, 2>> count_by_view(const ExperimentEvidence& evid
   }
   std::unordered_map<std::int64_t, std::size_t> read;
   std::array<Count, 2> counts{};
-  for (const AnswerRow& answer : evidence.answers) {
-    const auto found = combos.find(answer.session);
-    const std::size_t place = read[answer.session]++;
-    if (found == combos.end()) return std::nullopt;
-    EQ_CHECK(place < found->second->size(), place, answer.session);
-    Count& count = counts.at((*found->second)[place] >> 1);
+  std::optional<std::int64_t> session;
+  const std::vector<std::uint8_t>* of_session = nullptr;
+  std::size_t* next = nullptr;
+  for (const CountedAnswer& answer : evidence.answers.rows()) {
+    if (session != answer.session) {
+      session = answer.session;
+      const auto found = combos.find(answer.session);
+      if (found == combos.end()) return std::nullopt;
+      of_session = found->second;
+      next = &read[answer.session];
+    }
+    const std::size_t place = (*next)++;
+    EQ_CHECK(place < of_session->size(), place, answer.session);
+    Count& count = counts.at((*of_session)[place] >> 1);
     ++count.n;
     count.k += answer.correct ? 1 : 0;
   }

@@ -182,7 +182,7 @@ TEST_F(Folders, count_correct_answers_by_view) {
   const Report report = load({"a"})[0];
   std::array<Count, 2> expected{};
   std::map<std::int64_t, int> trials;
-  for (const AnswerRow& answer : report.evidence.material.answers) {
+  for (const CountedAnswer& answer : report.evidence.material.answers.rows()) {
     Count& count = expected[trials[answer.session]++ % 3 == 1 ? 1 : 0];
     ++count.n;
     count.k += answer.correct ? 1 : 0;
