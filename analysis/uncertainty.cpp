@@ -298,8 +298,9 @@ struct LeaveOut {
   const ResponseMatrix& matrix;
   std::vector<Count> all = count_weighted(matrix, std::vector<std::uint32_t>(matrix.subjects(), 1));
 
+  // Empty where the person is not among the subjects, and leaves the counts as they are.
   std::vector<Count> without(const std::optional<std::size_t>& subject) const {
-    return subject ? subtract_subject(all, matrix, *subject) : all;
+    return subject ? subtract_subject(all, matrix, *subject) : std::vector<Count>();
   }
 };
 
@@ -351,9 +352,16 @@ void find_flips(std::vector<ColumnUncertainty>& results, std::vector<ColumnSlots
     const std::vector<Count> seen_without = seen.without(person.artifact),
                              changed_without = changed.without(person.material);
     for (std::size_t c = first; c < end; ++c) {
-      columns[c].artifact.fill([&](std::size_t cell) { return seen_without[cell]; });
-      columns[c].material.fill([&](std::size_t cell) { return changed_without[cell]; });
-      compare_without(results[c], judge(columns[c]), whole[c], person, artifact, material);
+      ColumnCuts cuts = whole[c];
+      if (person.artifact) {
+        columns[c].artifact.fill([&](std::size_t cell) { return seen_without[cell]; });
+        cuts.artifact = place_cuts(columns[c].artifact.counts, Experiment::kArtifact);
+      }
+      if (person.material) {
+        columns[c].material.fill([&](std::size_t cell) { return changed_without[cell]; });
+        cuts.material = place_cuts(columns[c].material.counts, Experiment::kMaterial);
+      }
+      compare_without(results[c], cuts, whole[c], person, artifact, material);
     }
   }
   for (std::size_t c = first; c < end; ++c) sort_flips(results[c]);
