@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdio>
 #include <future>
+#include <malloc.h>
 #include <map>
 #include <set>
 #include <thread>
@@ -218,9 +219,17 @@ std::vector<std::filesystem::path> sort_folders(const std::vector<std::filesyste
   return {sorted.begin(), sorted.end()};
 }
 
+// What a log took is given to the next, not to the system and asked for again page by page.
+void keep_freed_memory() {
+  constexpr int kMost = 64 << 20, kLargest = 8 << 20;
+  ::mallopt(M_TRIM_THRESHOLD, kMost);
+  ::mallopt(M_MMAP_THRESHOLD, kLargest);
+}
+
 // Logs are read side by side, each by one thread, the next one by whichever has finished its last.
 std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
   const auto folders = sort_folders(params.study_folders);
+  keep_freed_memory();
   std::vector<FolderReading> readings(folders.size());
   const std::size_t threads =
       std::min<std::size_t>(folders.size(), std::max(1U, std::thread::hardware_concurrency()));
