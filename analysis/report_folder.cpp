@@ -2,8 +2,11 @@
 #include "analysis/report_folder.h"
 
 #include <algorithm>
+#include <atomic>
+#include <future>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "base/digest.h"
 #include "base/error.h"
@@ -71,10 +74,28 @@ void save_list(const FileList& list, const fs::path& folder) {
   save_text(folder / kReportList, format_json(json));
 }
 
-void write_files(const ReportFiles& files, const fs::path& folder) {
-  for (const auto& [name, bytes] : files) {
-    if (name != kReportPage) save_text(folder / name, bytes);
+// Each waits for the disk to have it: side by side they wait once for several.
+void write_side_by_side(const std::vector<const ReportFiles::value_type*>& files, const fs::path& folder) {
+  constexpr std::size_t kWriters = 8;
+  std::atomic<std::size_t> next{0};
+  std::vector<std::future<void>> running;
+  for (std::size_t writer = 0; writer < std::min(kWriters, files.size()); ++writer) {
+    running.push_back(std::async(std::launch::async, [&] {
+      for (std::size_t i = next++; i < files.size(); i = next++)
+        save_text(folder / files[i]->first, files[i]->second);
+    }));
   }
+  for (auto& future : running) future.wait();
+  for (auto& future : running) future.get();
+}
+
+// The page last.
+void write_files(const ReportFiles& files, const fs::path& folder) {
+  std::vector<const ReportFiles::value_type*> rest;
+  for (const auto& file : files) {
+    if (file.first != kReportPage) rest.push_back(&file);
+  }
+  write_side_by_side(rest, folder);
   if (const auto page = files.find(kReportPage); page != files.end())
     save_text(folder / kReportPage, page->second);
 }
