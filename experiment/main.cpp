@@ -44,6 +44,7 @@ struct BrowseOptions {
   std::string folder;
   std::string study;
   std::string monitor;
+  double text_scale = 1;
 };
 
 void print_acknowledgement(std::int64_t session, int trial) {
@@ -84,7 +85,7 @@ int run(const RunOptions& options) {
 }
 
 int browse(const BrowseOptions& options) {
-  return run_browser({options.folder, options.study, options.monitor});
+  return run_browser({options.folder, options.study, options.monitor, options.text_scale});
 }
 #else
 int browse(const BrowseOptions&) {
@@ -157,6 +158,9 @@ void add_browse(CLI::App& app, BrowseOptions& options) {
       ->check(CLI::ExistingFile);
   command->add_option("--monitor", options.monitor, "Name of the monitor; the primary one if not given")
       ->type_name("NAME");
+  command->add_option("--text-scale", options.text_scale, "Of all text")
+      ->type_name("FACTOR")
+      ->check(CLI::Range(0.5, 3.0));
   command->footer("Example: equilux-session browse studies/pocket --study protocols/pocket.json");
 }
 

@@ -30,6 +30,7 @@ struct BrowserParams {
   std::filesystem::path study_folder;
   std::filesystem::path study_file;  ///< from which missing pictures are rendered; empty: none can be
   std::string monitor;               ///< name; empty: the primary one
+  double text_scale = 1;             ///< of all text
 };
 
 /// The study workspace: the set as a grid of clamp levels by VPL counts, pictures flipped against their

@@ -28,7 +28,9 @@ namespace {
 constexpr double kPatienceS = 0.1;
 constexpr int kThumbnailWidth = 140;
 constexpr int kDifferenceGain = 4;
-constexpr float kRowLabel = 60, kGap = 6, kCountHeight = 20;
+// The first three at a text scale of 1, with which they grow.
+constexpr float kRowLabel = 60, kCountHeight = 20, kCountText = 16, kGap = 6;
+constexpr float kUsualScale = 0.8F;  // of a session's text
 constexpr Size kLeastWindow{960, 760};
 
 // A place in the grid.
@@ -327,6 +329,8 @@ class Browser {
     ImGui::EndChild();
   }
 
+  float scaled(float pixels) const { return pixels * gui_.text_scale() / kUsualScale; }
+
   ImVec2 find_cell_size() const {
     const float width = kThumbnailWidth;
     const float share = view_.manifest ? static_cast<float>(view_.manifest->height) /
@@ -335,8 +339,8 @@ class Browser {
     return {width, std::round(width * share)};
   }
 
-  static float find_left(float origin, ImVec2 cell_size, std::size_t count) {
-    return origin + kRowLabel + static_cast<float>(count) * (cell_size.x + 2 * kGap);
+  float find_left(float origin, ImVec2 cell_size, std::size_t count) const {
+    return origin + scaled(kRowLabel) + static_cast<float>(count) * (cell_size.x + 2 * kGap);
   }
 
   // Over the cells, where they stay however far these are scrolled.
@@ -358,7 +362,7 @@ class Browser {
     const auto corner_of = [&](std::size_t count, std::size_t level) {
       return ImVec2(
           find_left(origin.x, size, count),
-          origin.y + kGap + static_cast<float>(levels - 1 - level) * (size.y + kCountHeight + kGap));
+          origin.y + kGap + static_cast<float>(levels - 1 - level) * (size.y + scaled(kCountHeight) + kGap));
     };
     for (std::size_t level = 0; level < levels; ++level) {
       const ImVec2 corner = corner_of(0, level);
@@ -368,7 +372,7 @@ class Browser {
         draw_cell(corner_of(count, level), size, count, level);
     }
     const ImVec2 last = corner_of(columns, 0);
-    ImGui::Dummy(ImVec2(last.x - origin.x, last.y - origin.y + size.y + kCountHeight));
+    ImGui::Dummy(ImVec2(last.x - origin.x, last.y - origin.y + size.y + scaled(kCountHeight)));
   }
 
   void draw_cell(ImVec2 corner, ImVec2 size, std::size_t count, std::size_t level) {
@@ -388,7 +392,7 @@ class Browser {
     const Cell here = cell(count, level);
     const std::string text =
         describe_count(view_.artifact, here, "a") + "  " + describe_count(view_.material, here, "m");
-    list->AddText(nullptr, 16, ImVec2(corner.x, end.y + 1), IM_COL32_BLACK, text.c_str());
+    list->AddText(nullptr, scaled(kCountText), ImVec2(corner.x, end.y + 1), IM_COL32_BLACK, text.c_str());
     ImGui::SetCursorScreenPos(corner);
     ImGui::PushID(static_cast<int>(number));
     if (ImGui::InvisibleButton("cell", size)) {
@@ -475,7 +479,7 @@ int run_browser(const BrowserParams& params) {
   const Size screen = display.size();
   AppWindow window(display, {std::max(kLeastWindow.width, screen.width * 9 / 10),
                              std::max(kLeastWindow.height, screen.height * 9 / 10)});
-  Gui gui(window, 0.8F);
+  Gui gui(window, kUsualScale * static_cast<float>(params.text_scale));
   Browser(params, window, gui).run();
   return kExitOk;
 }

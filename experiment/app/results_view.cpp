@@ -15,10 +15,14 @@
 namespace equilux {
 namespace {
 
+// At the browser's usual size of text, with which they grow.
+constexpr float kUsualText = 17.6F;
 constexpr float kCellWidth = 40, kCellHeight = 18, kAxis = 34, kHead = 24, kFoot = 46, kGap = 14;
 constexpr float kScroll = 80;
 constexpr float kDot = 3.5F, kSmall = 15, kDotInset = 6;
 constexpr ImU32 kInk = IM_COL32(0, 0, 0, 255), kPaper = IM_COL32(255, 255, 255, 255);
+
+float scaled(float pixels) { return pixels * ImGui::GetFontSize() / kUsualText; }
 
 struct Look {
   std::array<int, 3> fill;
@@ -70,26 +74,26 @@ std::string describe(const SessionCounts& counts) {
 }
 
 void write_centred(ImDrawList* list, float x, float y, const char* text) {
-  const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(kSmall, 1e6F, 0, text);
-  list->AddText(nullptr, kSmall, ImVec2(x - size.x / 2, y), kInk, text);
+  const ImVec2 size = ImGui::GetFont()->CalcTextSizeA(scaled(kSmall), 1e6F, 0, text);
+  list->AddText(nullptr, scaled(kSmall), ImVec2(x - size.x / 2, y), kInk, text);
 }
 
 // Filled where flagged, open where not; nothing where untested.
 void draw_dot(ImDrawList* list, ImVec2 place, const Count& count) {
   if (count.n == 0) return;
-  list->AddCircleFilled(place, kDot, is_flagged(count) ? kInk : kPaper);
-  list->AddCircle(place, kDot, kInk);
+  list->AddCircleFilled(place, scaled(kDot), is_flagged(count) ? kInk : kPaper);
+  list->AddCircle(place, scaled(kDot), kInk);
 }
 
 void draw_level(ImDrawList* list, ImVec2 corner, const ColumnFinding& column, const RuleFinding& finding,
                 std::size_t level) {
-  const ImVec2 end(corner.x + kCellWidth - 1, corner.y + kCellHeight - 1);
+  const ImVec2 end(corner.x + scaled(kCellWidth) - 1, corner.y + scaled(kCellHeight) - 1);
   const Look look = look_of(finding.regions[level]);
   list->AddRectFilled(corner, end, fill_of(look, is_observed(column, finding.regions[level], level)));
-  const float middle = corner.x + kCellWidth / 2, dot_y = corner.y + kCellHeight / 2;
+  const float middle = corner.x + scaled(kCellWidth) / 2, dot_y = corner.y + scaled(kCellHeight) / 2;
   write_centred(list, middle, corner.y + 1, look.letter);
-  draw_dot(list, ImVec2(corner.x + kDotInset, dot_y), column.artifact[level].count);
-  draw_dot(list, ImVec2(end.x - kDotInset, dot_y), column.material[level].count);
+  draw_dot(list, ImVec2(corner.x + scaled(kDotInset), dot_y), column.artifact[level].count);
+  draw_dot(list, ImVec2(end.x - scaled(kDotInset), dot_y), column.material[level].count);
   const int name = column.artifact[level].level;
   if (std::find(finding.supported.begin(), finding.supported.end(), name) != finding.supported.end())
     list->AddLine(ImVec2(middle - 6, end.y - 2), ImVec2(middle + 6, end.y - 2), kInk, 1.5F);
@@ -99,21 +103,21 @@ void draw_level(ImDrawList* list, ImVec2 corner, const ColumnFinding& column, co
 void draw_graph(ImDrawList* list, ImVec2 corner, const std::vector<const ColumnFinding*>& columns,
                 Rule rule) {
   const std::size_t levels = columns.front()->artifact.size();
-  const float top = corner.y + kHead, height = kCellHeight * static_cast<float>(levels);
+  const float top = corner.y + scaled(kHead), height = scaled(kCellHeight) * static_cast<float>(levels);
   list->AddText(corner, kInk, format_key(columns.front()->column.object).c_str());
   for (std::size_t i = 0; i < levels; ++i) {
-    const float y = top + height - kCellHeight * static_cast<float>(i + 1);
-    list->AddText(nullptr, kSmall, ImVec2(corner.x, y + 1), kInk,
+    const float y = top + height - scaled(kCellHeight) * static_cast<float>(i + 1);
+    list->AddText(nullptr, scaled(kSmall), ImVec2(corner.x, y + 1), kInk,
                   format_clamp(columns.front()->artifact[i].level).c_str());
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      draw_level(list, ImVec2(corner.x + kAxis + kCellWidth * static_cast<float>(c), y), *columns[c],
-                 columns[c]->under(rule), i);
+      draw_level(list, ImVec2(corner.x + scaled(kAxis) + scaled(kCellWidth) * static_cast<float>(c), y),
+                 *columns[c], columns[c]->under(rule), i);
     }
   }
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const float x = corner.x + kAxis + kCellWidth * (static_cast<float>(c) + 0.5F);
+    const float x = corner.x + scaled(kAxis) + scaled(kCellWidth) * (static_cast<float>(c) + 0.5F);
     write_centred(list, x, top + height + 2, format_vpl_count(columns[c]->column.vpl_count).c_str());
-    write_centred(list, x, top + height + 2 + kSmall, mark_of(columns[c]->under(rule).verdict));
+    write_centred(list, x, top + height + 2 + scaled(kSmall), mark_of(columns[c]->under(rule).verdict));
   }
 }
 
@@ -234,9 +238,10 @@ void ResultsView::draw_graphs() const {
       const auto columns = columns_of(geometry, material);
       if (columns.empty()) continue;
       draw_graph(ImGui::GetWindowDrawList(), ImVec2(x, y), columns, rule_);
-      x += kAxis + kCellWidth * static_cast<float>(columns.size()) + kGap;
-      below = std::max(
-          below, y + kHead + kCellHeight * static_cast<float>(columns.front()->artifact.size()) + kFoot);
+      x += scaled(kAxis) + scaled(kCellWidth) * static_cast<float>(columns.size()) + scaled(kGap);
+      below = std::max(below, y + scaled(kHead) +
+                                  scaled(kCellHeight) * static_cast<float>(columns.front()->artifact.size()) +
+                                  scaled(kFoot));
     }
     right = std::max(right, x);
     y = below;
@@ -253,7 +258,7 @@ void ResultsView::draw(AppWindow& window, const Gui& gui) {
   ImGui::SetScrollX(ImGui::GetScrollX() + std::exchange(scroll_x_, 0.0F));
   ImGui::SetScrollY(ImGui::GetScrollY() + std::exchange(scroll_y_, 0.0F));
   draw_table();
-  ImGui::Dummy(ImVec2(0, kGap));
+  ImGui::Dummy(ImVec2(0, scaled(kGap)));
   draw_graphs();
   ImGui::EndChild();
 }
