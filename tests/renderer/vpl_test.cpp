@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
+#include "renderer/family.h"
 #include "renderer/parallel.h"
-#include "renderer/reference.h"
 #include "renderer/shade.h"
 #include "tests/renderer/test_scene.h"
 #include "tests/support/statistics.h"
@@ -157,6 +157,7 @@ TEST(Vpls, UnclampedSumsOfALambertianSceneAgreeWithThePathTracer) {
   const Materials materials = make_materials(world, find_material(scene, "grey"));
   const Primary primary = trace_primary(world, make_view_camera(scene, 0), 20, 20, 1);
   const auto points = find_shading_points(primary);
+  const PathMap none(primary.hits.size(), 0), indirect = make_fixed_maps(primary, {64, 64, 64}).indirect;
   std::vector<double> by_vpls, by_paths;
   for (std::uint64_t seed = 1; seed <= 320; ++seed) {
     const VplSet set = trace_vpls(world, materials, 2000, seed, "vpls");
@@ -166,13 +167,10 @@ TEST(Vpls, UnclampedSumsOfALambertianSceneAgreeWithThePathTracer) {
           shade_all_vpls(world, points, *part, {materials[0]}, {clamp_per_m2(0)}, [](double) {}).radiance);
     }
     by_vpls.push_back(mean);
-    ReferenceParams params;
-    params.fixed = PathCounts{64, 16, 16};
-    params.seed = seed;
-    params.stream_name = params.background_stream_name = "paths";
-    const auto layers = trace_family({world, materials, primary}, params, test::no_progress());
+    const TracedLayers layers =
+        trace_layers({world, materials, primary}, {none, none, indirect}, seed, "paths", {}, [](double) {});
     double sum = 0;
-    for (std::size_t i = 0; i < layers.indirect.pixel_count(); ++i) sum += layers.indirect.pixel(i)[1];
+    for (std::size_t i = 0; i < none.size(); ++i) sum += layers.indirect.mean.pixel(i)[1];
     by_paths.push_back(sum / static_cast<double>(points.size()));
   }
   const auto vpls = test::mean_of(by_vpls), paths = test::mean_of(by_paths);
