@@ -163,9 +163,11 @@ void measure(const std::vector<StudyFolder>& folders, const fs::path& out) {
              find_peak_mib());
 }
 
-void run() {
+// The folders of logs stay in `kept`, to be reported on by `equilux-analyze`; empty: they do not.
+void run(const fs::path& kept) {
   const BenchStudy bench;
   const TempFolder temporary;
+  const fs::path root = kept.empty() ? temporary.path() : kept;
   std::vector<StudyFolder> folders;
   fmt::print(
       "| artifact + material answers | logs | load and judge, s / processor s | tally of it | matrix | "
@@ -173,14 +175,14 @@ void run() {
       "|---|---|---|---|---|---|---|---|\n");
   for (const std::size_t logs : {1, 10, 100}) {
     while (folders.size() < logs) {
-      folders.push_back({temporary / std::to_string(folders.size())});
+      folders.push_back({root / std::to_string(folders.size())});
       make_log(folders.back(), bench, folders.size());
     }
-    measure(folders, temporary / "report");
+    measure(folders, root / "report");
   }
 }
 
 }  // namespace
 }  // namespace equilux
 
-int main() { equilux::run(); }
+int main(int count, char** words) { equilux::run(count > 1 ? words[1] : ""); }
