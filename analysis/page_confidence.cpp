@@ -376,7 +376,10 @@ std::string format_rule_certainty(const Report& report) {
 }
 
 std::string format_trends(const Report& report) {
-  if (report.trends.empty()) return "<p>No factor of this study has two levels.</p>\n";
+  if (report.trends.empty())
+    return "<p>No trend is asked for in this study. Trends are asked along VPL counts, the blobs G0, G1, "
+           "..., the steps MS-MR, MS-BS, BS-BR and BS-GS, and illumination, where a study has both "
+           "ends.</p>\n";
   Table table{{"along", "verdict", "pairs", "objects", "gained / lost", "effect", "95 % interval", "p",
                "p, Holm", "least p, Holm"},
               {}};

@@ -1,11 +1,13 @@
 // The page's results: the banner, the EE squares, the graphs, and where columns and rules are odd.
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 
 #include "analysis/graph.h"
 #include "analysis/markup.h"
 #include "analysis/page_sections.h"
 #include "analysis/tables.h"
+#include "analysis/words.h"
 
 namespace equilux {
 namespace {
@@ -156,6 +158,28 @@ Table collect_verdict_differences(const Report& report) {
   return table;
 }
 
+// Where both rules have the same verdicts. A column without a level free of artifacts has its verdict before
+// the material experiment.
+std::string describe_agreement(const Report& report) {
+  const std::size_t waiting = count_verdicts(report, Verdict::kUntested), all = report.findings.size();
+  if (count_answers(report.material) > 0 || waiting == 0)
+    return "<p>Both rules find the same equivalent levels in every column.</p>\n";
+  if (waiting == all) return "<p>No material session is finished: neither rule has a verdict yet.</p>\n";
+  return fmt::format(
+      "<p>No material session is finished: of {} columns {} {} for its answers, and neither rule has a "
+      "verdict there yet. In the others no level is left free of artifacts under either rule.</p>\n",
+      all, waiting, choose_form(waiting, "waits", "wait"));
+}
+
+// By what rule levels went on to the material experiment.
+std::string describe_choice(const Report& report) {
+  std::set<std::string> rules;
+  for (const FolderSelection& selection : report.selections) rules.insert(selection.rule);
+  if (rules.size() > 1) return "in each folder by its own rule";
+  if (report.selection && !report.selection->rule.empty()) rules.insert(report.selection->rule);
+  return rules.empty() ? "by one rule" : fmt::format("by one rule (<i>{}</i>)", escape_xml(*rules.begin()));
+}
+
 }  // namespace
 
 std::string format_banner(const Report& report) {
@@ -259,20 +283,13 @@ std::string format_monotone(const Report& report) {
 std::string format_rule_differences(const Report& report) {
   const Table verdicts = collect_verdict_differences(report);
   const Table untested = collect_untested(report);
-  std::string text = verdicts.rows.empty()
-                         ? count_answers(report.material) > 0
-                               ? "<p>Both rules find the same equivalent levels in every column.</p>\n"
-                               : "<p>No material session is finished: neither rule has a verdict yet.</p>\n"
-                         : format_html_table(verdicts, 99);
+  const std::string text =
+      verdicts.rows.empty() ? describe_agreement(report) : format_html_table(verdicts, 99);
   if (untested.rows.empty()) return text;
-  return text +
-         fmt::format(
-             "<p>The levels of the material experiment were chosen by one rule{}. These levels, which a rule "
-             "would have kept, were not tested:</p>\n{}",
-             report.selection && !report.selection->rule.empty()
-                 ? fmt::format(" (<i>{}</i>)", escape_xml(report.selection->rule))
-                 : "",
-             format_html_table(untested, 99));
+  return text + fmt::format(
+                    "<p>The levels of the material experiment were chosen {}. These levels, which a rule "
+                    "would have kept, were not tested:</p>\n{}",
+                    describe_choice(report), format_html_table(untested, 99));
 }
 
 }  // namespace equilux

@@ -1,0 +1,61 @@
+// What the page says of studies that are small, unfinished or added up from several folders.
+#include <gtest/gtest.h>
+
+#include "analysis/page_sections.h"
+#include "tests/analysis/planted_report.h"
+
+namespace equilux::tests {
+namespace {
+
+// Of the pocket study's first columns one is left free of artifacts from C5 on, one at no level.
+Report report_artifacts(const std::vector<std::map<int, int>>& columns) {
+  PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0.02);
+  planted.artifact.clear();
+  const auto all = enumerate_columns(planted.study);
+  for (int subject = 0; subject < 12; ++subject) {
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      for (const auto& [level, k] : columns[c])
+        planted.artifact.push_back({subject + 1, subject, Cell{all[c], level, false}, subject < k});
+    }
+  }
+  planted.material.clear();
+  Evidence evidence{
+      SubjectKind::kPerson, make_evidence(planted, Experiment::kArtifact, SubjectKind::kPerson, 12), {}};
+  return make_report(planted.study, std::move(evidence), Rule::kPaper, {}, {1, 10, 10});
+}
+
+TEST(PageWords, without_material_sessions_say_that_columns_wait_and_not_that_none_has_a_verdict) {
+  const std::map<int, int> open{{3, 12}, {4, 12}, {5, 2}, {6, 2}}, lost{{7, 12}, {8, 12}, {9, 12}, {10, 12}};
+  const std::string all = format_rule_differences(report_artifacts(std::vector(8, open)));
+  EXPECT_TRUE(has(all, "neither rule has a verdict yet.")) << all;
+  const std::string some =
+      format_rule_differences(report_artifacts({open, open, lost, lost, lost, lost, lost, lost}));
+  EXPECT_TRUE(has(some, "of 8 columns 2 wait for its answers")) << some;
+  const std::string one =
+      format_rule_differences(report_artifacts({open, lost, lost, lost, lost, lost, lost, lost}));
+  EXPECT_TRUE(has(one, "of 8 columns 1 waits for its answers")) << one;
+  const std::string none = format_rule_differences(report_artifacts(std::vector(8, lost)));
+  EXPECT_FALSE(has(none, "verdict")) << none;
+}
+
+TEST(PageWords, of_a_study_without_trends_do_not_say_that_its_factors_have_one_level) {
+  Report report = make_planted_report(make_planted_study("pocket", 12, 14, 1, 0.02));
+  ASSERT_FALSE(report.trends.empty());
+  report.trends.clear();
+  EXPECT_TRUE(has(format_trends(report), "No trend is asked for in this study.")) << format_trends(report);
+}
+
+// The levels of the first column that isotonic would have kept were not tested.
+TEST(PageWords, of_folders_that_pruned_by_several_rules_name_no_one_rule) {
+  PlantedStudy planted = answer_column({{3, 12}, {4, 5}, {5, 9}, {6, 3}}, {{6, 7}, {8, 7}, {10, 14}});
+  Report report = make_planted_report(planted);
+  EXPECT_TRUE(has(format_rule_differences(report), "were chosen by one rule (<i>paper</i>). These levels"));
+  report.selections = {{"a", "paper", "d", "e"}, {"b", "isotonic", "f", "e"}};
+  report.selection->rule = "";
+  const std::string pooled = format_rule_differences(report);
+  EXPECT_TRUE(has(pooled, "were chosen in each folder by its own rule. These levels")) << pooled;
+  EXPECT_FALSE(has(pooled, "by one rule"));
+}
+
+}  // namespace
+}  // namespace equilux::tests
