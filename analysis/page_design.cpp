@@ -285,16 +285,18 @@ std::string format_protocol(const Report& report) {
   if (!report.protocol)
     return "<p>How sessions went is not known here: there is no <code>session.json</code>, or folders have "
            "different ones.</p>\n";
-  std::size_t all = 0, followed = 0;
+  std::size_t all = 0, followed = 0, unknown = 0;
   for (const ExperimentEvidence* evidence : {&report.evidence.artifact, &report.evidence.material}) {
     for (const SessionRow& row : evidence->finished) {
       ++all;
       followed += row.digests.protocol == report.protocol->digest ? 1 : 0;
+      unknown += row.digests.protocol.empty() ? 1 : 0;
     }
   }
   return fmt::format(
-      "<p>A session, by <code>session.json</code>, which {} of {} finished sessions followed: {}.{}</p>\n",
-      followed, all, describe_protocol(*report.protocol),
+      "<p>A session, by <code>session.json</code>, which {} of {} finished sessions followed{}: {}.{}</p>\n",
+      followed, all, unknown == 0 ? "" : fmt::format(" (of {} it is not recorded)", unknown),
+      describe_protocol(*report.protocol),
       report.evidence.kind == SubjectKind::kPerson
           ? ""
           : " Of this, simulated subjects have the trials alone: consent, questions, examples and breaks are "

@@ -43,17 +43,34 @@ std::map<std::string, std::size_t> count_languages(const ExperimentEvidence& evi
   return languages;
 }
 
+Prompts find_recorded_prompts(const ExperimentEvidence& evidence) {
+  Prompts prompts;
+  for (const SessionRow& row : evidence.finished) {
+    const auto language = row.fields.find("language"), prompt = row.fields.find("prompt");
+    if (prompt == row.fields.end()) continue;
+    prompts[language == row.fields.end() ? "" : language->second].insert(prompt->second);
+  }
+  return prompts;
+}
+
 Prompts load_prompts(const std::filesystem::path& folder, const ExperimentEvidence& evidence,
                      Experiment experiment) {
   Prompts prompts;
+  std::map<std::string, std::set<std::string>> of_folder;  // each language's texts are read once
+  const auto find_once = [&](const std::string& language) -> const std::set<std::string>& {
+    const auto found = of_folder.find(language);
+    if (found != of_folder.end()) return found->second;
+    return of_folder[language] = find_prompt(folder, language, experiment);
+  };
   for (const SessionRow& row : evidence.finished) {
     const auto language = row.fields.find("language"), prompt = row.fields.find("prompt");
     if (language == row.fields.end()) continue;
     std::set<std::string>& of_language = prompts[language->second];
     if (prompt != row.fields.end()) {
       of_language.insert(prompt->second);
-    } else if (of_language.empty()) {
-      of_language.merge(find_prompt(folder, language->second, experiment));
+    } else {  // whatever others recorded: those may have read another one
+      const auto& now = find_once(language->second);
+      of_language.insert(now.begin(), now.end());
     }
   }
   prompts.erase("");

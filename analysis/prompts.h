@@ -17,7 +17,10 @@ using Prompts = std::map<std::string, std::set<std::string>>;
 /// Sessions by the language that they recorded; "" for those that did not.
 std::map<std::string, std::size_t> count_languages(const ExperimentEvidence& evidence);
 
-/// Of the languages of the finished sessions: what these recorded; of those that recorded no question
+/// What the finished sessions recorded; "" is the language of those that recorded none.
+Prompts find_recorded_prompts(const ExperimentEvidence& evidence);
+
+/// Of the languages of the finished sessions: what these recorded; of those that recorded no question also
 /// `folder`/texts-LANGUAGE.json as it is now, else the English that is built in. errors: InputError for a
 /// file that is no JSON
 Prompts load_prompts(const std::filesystem::path& folder, const ExperimentEvidence& evidence,

@@ -22,10 +22,16 @@ std::set<std::string> digests_of(const std::vector<SessionRow>& sessions,
 }
 
 void warn_of_digests(Warnings& warnings, const Evidence& evidence, Experiment experiment,
+// A session of schema 1 did not record its protocol: it agrees with any.
+bool is_unknown(const SessionDigests& digests, std::string SessionDigests::*member) {
+  return member == &SessionDigests::protocol && digests.protocol.empty();
+}
+
                      std::string SessionDigests::*member, const std::string& now, const std::string& what) {
   const auto& sessions = evidence.of(experiment).finished;
-  const auto others = std::count_if(sessions.begin(), sessions.end(),
-                                    [&](const SessionRow& row) { return row.digests.*member != now; });
+  const auto others = std::count_if(sessions.begin(), sessions.end(), [&](const SessionRow& row) {
+    return row.digests.*member != now && !is_unknown(row.digests, member);
+  });
   if (others == 0) return;
   warnings.push_back(fmt::format("Of {} {} sessions {} used {} other than the one in the folder now ({}...).",
                                  sessions.size(), format_experiment(experiment), others, what,
@@ -112,6 +118,7 @@ void warn_of_protocols(Warnings& warnings, const Report& report) {
   warnings.push_back(
       fmt::format("The sessions followed {} session protocols: their practice, breaks, least times or catch "
                   "trials differ.",
+  protocols.erase("");
                   protocols.size()));
 }
 
@@ -140,6 +147,18 @@ void warn_of_languages(Warnings& warnings, const Report& report) {
   warnings.push_back(
       fmt::format("The finished sessions were held in {} languages ({}): subjects read different questions.",
                   languages.size(), fmt::join(parts, ", ")));
+}
+
+// Within a language, so that a translation is no other question.
+void warn_of_questions(Warnings& warnings, const ExperimentEvidence& evidence, Experiment experiment) {
+  for (const auto& [language, prompts] : find_recorded_prompts(evidence)) {
+    if (prompts.size() < 2) continue;
+    warnings.push_back(fmt::format(
+        "The finished {} sessions {} recorded {} different questions: subjects read different ones.",
+        format_experiment(experiment),
+        language.empty() ? "without a language" : fmt::format("in the language {}", language),
+        prompts.size()));
+  }
 }
 
 }  // namespace
@@ -186,3 +205,5 @@ std::vector<std::string> find_answer_warnings(const Report& report) {
 }
 
 }  // namespace equilux
+  warn_of_questions(warnings, report.evidence.artifact, Experiment::kArtifact);
+  warn_of_questions(warnings, report.evidence.material, Experiment::kMaterial);

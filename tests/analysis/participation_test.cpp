@@ -172,6 +172,65 @@ TEST(Design, quotes_the_question_that_a_session_recorded) {
   EXPECT_EQ(load(), (Prompts{{"de", {"as it was then", "as it was later"}}}));
 }
 
+// Some sessions recorded what they read, some did not; which of them sat first changes nothing.
+TEST(Design, quotes_the_same_questions_whatever_the_order_of_subjects) {
+  const TempFolder folder;
+  save_text(folder / "texts-de.json", R"({"texts": {"prompt_artifact": "today"}})");
+  Evidence evidence = make_people();
+  for (SessionRow& row : evidence.artifact.finished) row.fields = {{"language", "de"}};
+  evidence.artifact.finished.front().fields["prompt"] = "as it was then";
+  const auto load = [&] { return load_prompts(folder.path(), evidence.artifact, Experiment::kArtifact); };
+  const Prompts expected{{"de", {"as it was then", "today"}}};
+  EXPECT_EQ(load(), expected);
+  std::swap(evidence.artifact.finished.front(), evidence.artifact.finished.back());
+  EXPECT_EQ(load(), expected);
+}
+
+TEST(Participation, warns_where_sessions_of_one_language_recorded_different_questions) {
+  Evidence evidence = make_people();
+  const auto find_warning = [&] {
+    const Report report = make_report(load_protocol("pocket"), evidence, Rule::kPaper, {}, {1, 10, 10});
+    const auto found =
+        std::find_if(report.warnings.begin(), report.warnings.end(), [](const std::string& warning) {
+          return warning.find("different questions: subjects read different ones") != std::string::npos;
+        });
+    return found == report.warnings.end() ? "" : *found;
+  };
+  auto& sessions = evidence.artifact.finished;
+  for (SessionRow& row : sessions) row.fields = {{"language", "en"}, {"prompt", "which?"}};
+  sessions[0].fields = {{"language", "de"}, {"prompt", "welches?"}};
+  sessions[1].fields = {{"language", "en"}};
+  EXPECT_EQ(find_warning(), "");
+  sessions[2].fields["prompt"] = "which one?";
+  EXPECT_EQ(find_warning(),
+            "The finished artifact sessions in the language en recorded 2 different questions: subjects read "
+            "different ones.");
+}
+
+// A log of schema 1 did not say which session.json its sessions followed.
+TEST(Design, takes_an_unrecorded_protocol_for_no_other_one) {
+  const Study study = load_protocol("pocket");
+  ReportSources sources;
+  sources.protocol = load_session_protocol(study.session_path);
+  Evidence evidence = make_people();
+  for (SessionRow& row : evidence.artifact.finished) row.digests.protocol = sources.protocol->digest;
+  evidence.artifact.finished[0].digests.protocol = "";
+  const auto count_warnings = [&] {
+    const Report report = make_report(study, evidence, Rule::kPaper, sources, {1, 10, 10});
+    return std::count_if(report.warnings.begin(), report.warnings.end(), [](const std::string& warning) {
+      return warning.find("session.json other than") != std::string::npos ||
+             warning.find("session protocols") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(count_warnings(), 0);
+  const std::string design = format_design(make_report(study, evidence, Rule::kPaper, sources, {1, 10, 10}));
+  EXPECT_NE(design.find("which 4 of 6 finished sessions followed (of 2 it is not recorded):"),
+            std::string::npos)
+      << design;
+  evidence.artifact.finished[1].digests.protocol = "another";
+  EXPECT_EQ(count_warnings(), 2);
+}
+
 TEST(Design, tells_pictures_trials_and_the_sessions_protocol) {
   const Study study = load_protocol("pocket");
   ReportSources sources;
