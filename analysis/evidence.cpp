@@ -46,17 +46,30 @@ void renumber(ExperimentEvidence& part, std::map<std::int64_t, std::int64_t>& nu
   part.answers.renumber_sessions(number_of);
 }
 
-// Whose log holds a session: one that is copied, or merged into another, is in two.
-void check_is_new(std::map<std::string, std::string>& folders, const ExperimentEvidence& part,
-                  const std::string& folder) {
-  for (const SessionRow& row : part.finished) {
-    const auto [entry, is_new] = folders.try_emplace(row.uuid, folder);
-    if (!is_new)
-      throw InputError(folder, fmt::format("session {} of {}", row.id, row.participant),
-                       "each session in one log: leave a copy out, or a log that was merged",
-                       "one that " + entry->second + " has too");
+// Which log holds each session, by its uuid.
+class Holders {
+ public:
+  // One that is copied, or merged into another, is in two: unfinished perhaps in a copy from before its end.
+  void check_are_new(const ExperimentEvidence& part, const std::string& folder) {
+    for (const SessionRow& row : part.finished) check_is_new(row.uuid, row.id, row.participant, folder);
+    for (const SessionSummary& summary : part.summaries) {
+      if (!summary.complete && !summary.uuid.empty())
+        check_is_new(summary.uuid, summary.session, summary.participant, folder);
+    }
   }
-}
+
+ private:
+  void check_is_new(const std::string& uuid, std::int64_t session, const std::string& participant,
+                    const std::string& folder) {
+    const auto [entry, is_new] = folders_.try_emplace(uuid, folder);
+    if (is_new) return;
+    throw InputError(folder, fmt::format("session {} of {}", session, participant),
+                     "each session in one log: leave a copy out, or a log that was merged",
+                     "one that " + entry->second + " has too");
+  }
+
+  std::map<std::string, std::string> folders_;
+};
 
 // All but the answers.
 void add_part(ExperimentEvidence& all, ExperimentEvidence& part) {
@@ -141,15 +154,15 @@ Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::strin
   all.kind = parts.front().kind;
   std::int64_t next = 1;
   std::multiset<std::string> artifact_digests, material_digests;
-  std::map<std::string, std::string> holders;
+  Holders holders;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (parts[i].kind != all.kind) {
       throw InputError(folders[i], "",
                        fmt::format("answers of the kind {}, as in {}", format_kind(all.kind), folders[0]),
                        format_kind(parts[i].kind));
     }
-    check_is_new(holders, parts[i].artifact, folders[i]);
-    check_is_new(holders, parts[i].material, folders[i]);
+    holders.check_are_new(parts[i].artifact, folders[i]);
+    holders.check_are_new(parts[i].material, folders[i]);
     std::map<std::int64_t, std::int64_t> numbers;
     renumber(parts[i].artifact, numbers, next, folders[i]);
     renumber(parts[i].material, numbers, next, folders[i]);

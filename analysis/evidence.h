@@ -75,7 +75,7 @@ Evidence load_evidence_of(const StudyFolder& folder, const Study& study, Subject
 
 /// Adds the evidence of several logs of one study up; sessions get new numbers 1, 2, ... in the order of
 /// `parts`, and the folder of each beside it. errors: InputError for parts of different kinds, and for a
-/// session that two of them have, by its uuid.
+/// session that two of them have, finished or not, by its uuid.
 Evidence pool_evidence(std::vector<Evidence> parts, const std::vector<std::string>& folders);
 
 /// The answers of these sessions of an experiment. `sessions` is sorted.

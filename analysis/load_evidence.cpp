@@ -31,14 +31,19 @@ SessionSummary summarise(const LogReading& reading, const SessionRow& session,
   return summary;
 }
 
-// The answers of one experiment and their digest.
-struct Counted {
-  ExperimentEvidence& evidence;
-  std::vector<std::uint32_t> numbers;  // of the log's cells among those of the answers
-  AnswersDigest digest = {};
-
-  Counted(ExperimentEvidence& counted, const std::vector<Cell>& cells) : evidence(counted) {
-    for (const Cell& cell : cells) numbers.push_back(evidence.answers.number_of(cell));
+// The answers of one experiment and their digest. Held to the study here, where log and session have the
+// names by which they can be found.
+class Counted {
+ public:
+  Counted(ExperimentEvidence& evidence, const LogReading& reading, const Study& study)
+      : evidence_(evidence), reading_(reading), study_(study) {
+    const auto cells = enumerate_cells(study);
+    const std::set<Cell> own(cells.begin(), cells.end());
+    for (const Cell& cell : reading.trials.cells) {
+      numbers_.push_back(evidence.answers.number_of(cell));
+      is_own_.push_back(own.contains(cell));
+    }
+    answered_in_.resize(numbers_.size());
   }
 
   // A finished session has an answer to every trial, unless somebody changed its log.
@@ -46,21 +51,45 @@ struct Counted {
     for (const BriefTrial& trial : trials) {
       if (trial.phase != Phase::kMain) continue;
       if (!trial.answer) {
-        ++evidence.unanswered;
+        ++evidence_.unanswered;
         continue;
       }
+      check(session, trial);
       const bool correct = *trial.answer == trial.test_side;
-      evidence.answers.push_back(CountedAnswer{session.id, numbers[trial.cell], correct});
-      digest.add(trial.cell, session.subject_index, correct);
+      evidence_.answers.push_back(CountedAnswer{session.id, numbers_[trial.cell], correct});
+      digest_.add(trial.cell, session.subject_index, correct);
     }
   }
+
+  std::string finish_digest() { return digest_.finish(reading_.trials.cells); }
+
+ private:
+  void check(const SessionRow& session, const BriefTrial& trial) {
+    if (!is_own_[trial.cell]) refuse(session, trial, fmt::format("a cell of the study {}", study_.name), "");
+    if (answered_in_[trial.cell] == session.id) refuse(session, trial, "one answer to each cell", " again");
+    answered_in_[trial.cell] = session.id;
+  }
+  [[noreturn]] void refuse(const SessionRow& session, const BriefTrial& trial, const std::string& expected,
+                           const char* again) const {
+    throw InputError(reading_.source,
+                     fmt::format("session {} of {}, trial {}", session.id, session.participant, trial.number),
+                     expected, format_key(reading_.trials.cells[trial.cell]) + again);
+  }
+
+  ExperimentEvidence& evidence_;
+  const LogReading& reading_;
+  const Study& study_;
+  std::vector<std::uint32_t> numbers_;                    // of the log's cells among those of the answers
+  std::vector<bool> is_own_;                              // whether the study has them
+  std::vector<std::optional<std::int64_t>> answered_in_;  // the last session that answered each
+  AnswersDigest digest_;
 };
 
 // Each trial is read once.
 ExperimentEvidence load_experiment(LogReading& reading, SubjectKind kind, Experiment experiment,
                                    const Study& study) {
   ExperimentEvidence evidence = gather_sessions(reading.sessions, kind, experiment, study, reading.source);
-  Counted counted(evidence, reading.trials.cells);
+  Counted counted(evidence, reading, study);
   for (const SessionRow& session : reading.sessions) {
     if (session.kind != kind || session.experiment != experiment) continue;
     const auto trials = std::exchange(reading.trials.by_session[session.id], {});
@@ -68,7 +97,7 @@ ExperimentEvidence load_experiment(LogReading& reading, SubjectKind kind, Experi
     if (session.complete) counted.add(session, trials);
     evidence.summaries.push_back(summarise(reading, session, trials));
   }
-  evidence.digest = counted.digest.finish(reading.trials.cells);
+  evidence.digest = counted.finish_digest();
   return evidence;
 }
 

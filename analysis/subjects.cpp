@@ -180,6 +180,7 @@ SessionSummary summarise_session(const SessionRow& session, const std::vector<Br
   SessionSummary summary;
   summary.session = session.id;
   summary.participant = session.participant;
+  summary.uuid = session.uuid;
   if (const auto language = session.fields.find("language"); language != session.fields.end())
     summary.language = language->second;
   summary.subject_index = session.subject_index;

@@ -16,6 +16,7 @@ inline constexpr std::size_t kComboCount = 4;  ///< of view and side of the test
 struct SessionSummary {
   std::int64_t session = 0;  ///< AnswerRow::session
   std::string participant;   ///< code
+  std::string uuid;          ///< of the session in any log; empty where it is not known
   std::string folder;        ///< study folder of its log; empty where there is only one
   std::string language;      ///< of the texts; empty where it was not recorded
   std::int64_t subject_index = 0;

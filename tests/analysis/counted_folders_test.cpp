@@ -186,6 +186,33 @@ TEST_F(Folders, that_hold_the_same_session_are_refused) {
                                     "got one that .*a has too"));
 }
 
+// A copy from before the session's end, or one that went on after it.
+TEST_F(Folders, of_which_one_has_a_session_unfinished_that_another_has_finished_are_refused) {
+  const StudyFolder folder{temporary_ / "a"}, other{temporary_ / "b"};
+  RawDatabase(other.responses())
+      .query("UPDATE session SET uuid = 'one and the same', complete = 0 WHERE id = 3");
+  RawDatabase(folder.responses()).query("UPDATE session SET uuid = 'one and the same' WHERE id = 2");
+  EXPECT_THAT(message_of<InputError>([&] {
+                load({"a", "b"});
+              }),
+              testing::MatchesRegex(".*/b: session 3 of P2: expected each session in one log: .*, "
+                                    "got one that .*/a has too"));
+}
+
+TEST_F(Folders, with_answers_that_the_study_does_not_allow_name_log_and_session) {
+  const StudyFolder folder{temporary_ / "b"};
+  const auto refuse = [&](const std::string& cell) {
+    RawDatabase(folder.responses())
+        .query(fmt::format("UPDATE trial SET cell = '{}' WHERE session = 2 AND trial = 5", cell));
+    return message_of<InputError>([&] { load({"a", "b"}); });
+  };
+  const std::string place = folder.responses().string() + ": session 2 of P1, trial 5: expected ";
+  EXPECT_EQ(refuse("G3-MS-ind-1k-C4"), place + "a cell of the study pocket, got G3-MS-ind-1k-C4");
+  const std::string first =
+      RawDatabase(folder.responses()).value("SELECT cell FROM trial WHERE session = 2 AND trial = 0");
+  EXPECT_EQ(refuse(first), place + "one answer to each cell, got " + first + " again");
+}
+
 TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
   const Study study = load_folder_study(StudyFolder{temporary_ / "a"});
   for (const auto& [name, index] : {std::pair("a", 0), std::pair("b", 0), std::pair("b", 1)}) {
