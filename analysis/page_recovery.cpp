@@ -1,4 +1,5 @@
 // Of planted answers: the thresholds that were put in beside those that came out.
+#include <algorithm>
 #include <fmt/format.h>
 #include <set>
 
@@ -72,6 +73,12 @@ bool has_own_truth(const Report& report) {
   return true;
 }
 
+// A level between those of the study may be equivalent too: nobody can be asked about it.
+bool has_equivalent_level(const PlantedColumn& planted, const Study& study) {
+  return std::any_of(study.clamp_levels.begin(), study.clamp_levels.end(),
+                     [&](int level) { return is_equivalent(planted, level); });
+}
+
 const char* format_exists(bool exists) { return exists ? "+" : "&minus;"; }
 
 const char* format_found_verdict(Verdict verdict) {
@@ -94,7 +101,7 @@ std::string format_recoveries(const Report& report) {
     const RuleFinding& under = finding.under(report.rule);
     const Recovered free_from = recover_artifact(finding, planted, report.rule),
                     same_to = recover_material(finding, planted, report.rule);
-    const bool exists = planted.artifact_free_from <= planted.material_same_to;
+    const bool exists = has_equivalent_level(planted, report.study);
     artifact.add(free_from);
     material.add(same_to);
     verdicts += under.verdict != Verdict::kUntested ? 1 : 0;

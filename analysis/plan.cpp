@@ -250,8 +250,7 @@ double find_true_width(const Study& study, const Truth& truth) {
   double green = 0, columns = 0;
   for (const auto& [column, planted] : truth.by_column) {
     columns += 1;
-    for (const int level : study.clamp_levels)
-      green += level >= planted.artifact_free_from && level <= planted.material_same_to ? 1 : 0;
+    for (const int level : study.clamp_levels) green += is_equivalent(planted, level) ? 1 : 0;
   }
   return divide(green, columns);
 }

@@ -15,6 +15,11 @@ struct PlantedColumn {
       0;  ///< a material change is visible iff the level is more clamped; -1: at every level
 };
 
+/// Neither an artifact nor a change of material is visible at a clamp level.
+inline bool is_equivalent(const PlantedColumn& planted, int level) {
+  return level >= planted.artifact_free_from && level <= planted.material_same_to;
+}
+
 struct Truth {
   double lapse_rate = 0;   ///< probability that a visible difference is not seen
   double side_bias = 0.5;  ///< probability of answering left when nothing is seen

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "analysis/page_sections.h"
+#include "analysis/plan.h"
 #include "tests/analysis/planted_report.h"
 
 namespace equilux::tests {
@@ -55,6 +56,25 @@ TEST(PageWords, of_folders_that_pruned_by_several_rules_name_no_one_rule) {
   const std::string pooled = format_rule_differences(report);
   EXPECT_TRUE(has(pooled, "were chosen in each folder by its own rule. These levels")) << pooled;
   EXPECT_FALSE(has(pooled, "by one rule"));
+}
+
+// Free of artifacts from C4, the same material up to C5, and the study has neither.
+TEST(PageWords, plant_no_equivalence_at_a_level_that_the_study_does_not_have) {
+  PlantedStudy planted = make_planted_study("pocket", 12, 14, 1, 0);
+  std::erase_if(planted.study.clamp_levels, [](int level) { return level == 4 || level == 5; });
+  for (auto& [column, truth] : planted.truth.by_column) truth = {4, 5};
+  planted.artifact = planted.material = {};
+  Evidence evidence{SubjectKind::kPlanted, {}, {}};
+  ReportSources sources;
+  sources.truth = planted.truth;
+  const auto recover = [&] {
+    return format_recovery(make_report(planted.study, evidence, Rule::kPaper, sources, {1, 10, 10}));
+  };
+  EXPECT_EQ(find_true_width(planted.study, planted.truth), 0);
+  EXPECT_FALSE(has(recover(), "<td>+</td>")) << recover();
+  for (auto& [column, truth] : sources.truth->by_column) truth = {4, 6};
+  EXPECT_EQ(find_true_width(planted.study, *sources.truth), 1);
+  EXPECT_TRUE(has(recover(), "<td>+</td>")) << recover();
 }
 
 }  // namespace
