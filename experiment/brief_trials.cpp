@@ -4,6 +4,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
@@ -167,6 +168,21 @@ class Reader {
   KeyMemo memo_;
 };
 
+// Trials and sessions by each other, which LogCheck::kTables leaves to this.
+void check_belonging(const Database& database, const BriefTrials& brief) {
+  Statement row(database, "SELECT id, complete FROM session NOT INDEXED");
+  std::set<std::int64_t> sessions;
+  while (row.step()) {
+    sessions.insert(row.integer(0));
+    if (row.integer(1) != 0 && !brief.by_session.contains(row.integer(0)))
+      refuse_without_trials(database.name(), row.integer(0));
+  }
+  for (const auto& [session, trials] : brief.by_session) {
+    if (!sessions.contains(session))
+      refuse_orphan(database.name(), session, fmt::format("trial {}", trials.front().number));
+  }
+}
+
 }  // namespace
 
 BriefTrials load_brief_trials(const Database& database, CellReader& cells) {
@@ -188,6 +204,7 @@ BriefTrials load_brief_trials(const Database& database, CellReader& cells) {
       std::sort(of_session.begin(), of_session.end(), by_number);
     check_numbers(database.name(), id, of_session);
   }
+  check_belonging(database, brief);
   brief.cells = cells.cells();
   return brief;
 }

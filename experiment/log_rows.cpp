@@ -2,6 +2,7 @@
 #include "experiment/log_rows.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 
@@ -40,9 +41,19 @@ std::optional<T> value_unless_null(const Statement& statement, int column, const
   return statement.is_null(column) ? std::nullopt : std::optional<T>(static_cast<T>(get(column)));
 }
 
+// No program measures an infinity, and no file that is made from a log can hold one.
+std::optional<double> read_measure(const Statement& row, int column, const std::string& source,
+                                   const char* name) {
+  if (row.is_null(column)) return std::nullopt;
+  const double value = row.real(column);
+  if (!std::isfinite(value))
+    throw InputError(source, fmt::format("session {}: {}", row.integer(0), name), "a finite number",
+                     fmt::format("{}; {}", value, kDamageAdvice));
+  return value;
+}
+
 SessionRow read_session(const Statement& row, const std::string& source) {
   const auto integer = [&](int column) { return row.integer(column); };
-  const auto real = [&](int column) { return row.real(column); };
   SessionRow session;
   session.id = row.integer(0);
   session.participant = row.text(1);
@@ -55,9 +66,9 @@ SessionRow read_session(const Statement& row, const std::string& source) {
   session.screen = {row.text(13),
                     value_unless_null<int>(row, 14, integer),
                     value_unless_null<int>(row, 15, integer),
-                    value_unless_null<double>(row, 16, real),
-                    value_unless_null<double>(row, 17, real),
-                    value_unless_null<double>(row, 18, real)};
+                    read_measure(row, 16, source, "viewing_distance_m"),
+                    read_measure(row, 17, source, "degrees_wide"),
+                    read_measure(row, 18, source, "degrees_high")};
   session.started_utc = row.text(19);
   session.complete = row.integer(20) != 0;
   session.uuid = row.text(21);

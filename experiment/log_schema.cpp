@@ -95,6 +95,25 @@ bool are_strict(const Database& database) {
                       " AND name IN ('trial', 'event')") == 2;
 }
 
+// A row of a session that is not there would be counted nowhere, and nobody would miss it.
+void refuse_orphans(const Database& database, const char* table, const char* number) {
+  Statement row(database, fmt::format("SELECT session, {} FROM {} WHERE session NOT IN"
+                                      " (SELECT id FROM session) LIMIT 1",
+                                      number, table));
+  if (!row.step()) return;
+  refuse_orphan(database.name(), row.integer(0), fmt::format("{} {}", table, row.text(1)));
+}
+
+// Those of trials, where all of them are read, are left to load_brief_trials.
+void check_belonging(const Database& database) {
+  refuse_orphans(database, "trial", "trial");
+  refuse_orphans(database, "event", "id");
+  Statement row(database,
+                "SELECT id FROM session WHERE complete = 1 AND NOT EXISTS"
+                " (SELECT 1 FROM trial WHERE trial.session = session.id) LIMIT 1");
+  if (row.step()) refuse_without_trials(database.name(), row.integer(0));
+}
+
 // Of the two tables with rows by the thousand the one is left to load_brief_trials, and the other has a
 // single CHECK, which is asked here: quick_check would go through its rows once more.
 void check_tables(const Database& database) {
@@ -119,6 +138,9 @@ void check_is_whole(const Database& database, LogCheck check) {
   // Of other tables the rows refer to is what their indexes hold.
   if (Statement(database, "PRAGMA foreign_key_check(session)").step())
     refuse_damaged(database, "a session whose participant is not there");
+  if (load_version(database) < kLogSchemaVersion) return;  // migrate looks at all tables
+  refuse_orphans(database, "field", "name");
+  if (check == LogCheck::kWhole) check_belonging(database);
 }
 
 // The WAL's index is shared memory, which other machines do not see. source: sqlite.org/wal.html
@@ -297,6 +319,16 @@ OpenMode choose_reading(const fs::path& path) {
 }
 
 }  // namespace
+
+void refuse_orphan(const std::string& source, std::int64_t session, const std::string& row) {
+  throw InputError(source, fmt::format("session {}, {}", session, row), "a row of a session that is there",
+                   fmt::format("one of none; {}", kDamageAdvice));
+}
+
+void refuse_without_trials(const std::string& source, std::int64_t session) {
+  throw InputError(source, fmt::format("session {}: complete", session),
+                   "trials of a session that is finished", fmt::format("none; {}", kDamageAdvice));
+}
 
 std::string draw_identity() {
   std::random_device entropy;

@@ -41,6 +41,10 @@ Database open_kept_copy(const std::filesystem::path& path);
 /// Copies that were being made when their maker was killed.
 std::vector<std::filesystem::path> find_unfinished_copies(const std::filesystem::path& path);
 
+/// What is said of a row whose session is not there, and of a finished session without trials.
+[[noreturn]] void refuse_orphan(const std::string& source, std::int64_t session, const std::string& row);
+[[noreturn]] void refuse_without_trials(const std::string& source, std::int64_t session);
+
 /// 32 random hexadecimal digits, from the system's entropy.
 std::string draw_identity();
 

@@ -46,7 +46,8 @@ class BrokenRows : public ::testing::Test {
     EXPECT_THAT(refusal_by_tables(), AllOf(StartsWith(path_.string()), HasSubstr(broken.message),
                                            HasSubstr("keep this file as it is")))
         << broken.change;
-    EXPECT_THAT(message_of<InputError>([&] { TrialLog log(path_); }), HasSubstr("keep this file as it is"))
+    EXPECT_THAT(message_of<InputError>([&] { TrialLog(path_).load_sessions(); }),
+                HasSubstr("keep this file as it is"))
         << broken.change;
   }
   void change(const std::string& sql) const {
@@ -122,6 +123,16 @@ constexpr Break kOtherBreaks[] = {
     {"UPDATE session SET seed = -1", "CHECK constraint failed in session"},
     {"UPDATE session SET complete = 2", "CHECK constraint failed in session"},
     {"UPDATE session SET participant = 99", "a session whose participant is not there"},
+    {"UPDATE session SET degrees_wide = 9e999 WHERE id = 1",
+     "session 1: degrees_wide: expected a finite number, got inf"},
+    {"UPDATE session SET degrees_high = -9e999 WHERE id = 2", "session 2: degrees_high: expected a finite"},
+    {"UPDATE session SET viewing_distance_m = 9e999", "session 1: viewing_distance_m: expected a finite"},
+    {"DELETE FROM field; DELETE FROM session WHERE id = 1",
+     "session 1, trial 0: expected a row of a session that is there, got one of none"},
+    {"UPDATE field SET session = 7",
+     "session 7, field refresh_hz: expected a row of a session that is there"},
+    {"DELETE FROM event; DELETE FROM trial WHERE session = 1",
+     "session 1: complete: expected trials of a session that is finished, got none"},
     {"UPDATE field SET name = ''", "CHECK constraint failed in field"},
     {"UPDATE event SET kind = '' WHERE id = 3", "an event without a kind"},
 };
@@ -166,6 +177,13 @@ TEST_P(WrongTypes, AreRefusedInColumnsThatNobodyReadsToo) {
 INSTANTIATE_TEST_SUITE_P(Each, WrongTypes, ::testing::ValuesIn(kWrongTypes));
 
 // As a program leaves it that writes a table anew without STRICT.
+// The report reads no events of sessions that are not there.
+TEST_F(BrokenRows, AnEventOfNoSessionIsRefusedByTheWholeCheck) {
+  change("UPDATE event SET session = 9, trial = NULL WHERE id = 3");
+  EXPECT_THAT(message_of<InputError>([&] { TrialLog log(path_); }),
+              HasSubstr("session 9, event 3: expected a row of a session that is there"));
+}
+
 TEST_F(BrokenRows, OfATableThatTakesAnyTypeAreRefusedByItsChecks) {
   for (const char* change_one : {"too_fast = 0.5", "too_fast = 'x'", "phase = x'6d61696e'"}) {
     const std::filesystem::path copy = folder_.path() / "loose.sqlite";
