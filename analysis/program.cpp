@@ -350,12 +350,27 @@ void check_can_save(const std::filesystem::path& path, const std::string& bytes)
     throw InputError(path.string(), "", "a free name or a file with the same bytes",
                      "one with others; --force replaces an earlier export");
 }
+// Studies by their digests. Files of a report are named by the study.
+void check_names(const std::map<std::string, std::vector<FolderReading>>& by_study) {
+  std::map<std::string, const FolderReading*> firsts;
+  for (const auto& [digest, readings] : by_study) {
+    const FolderReading& first = readings.front();
+    const auto [entry, is_new] = firsts.try_emplace(first.study.name, &first);
+    if (is_new) continue;
+    throw InputError(
+        first.name, "study.json",
+        fmt::format("the study {} as in {}, or another name", first.study.name, entry->second->name),
+        "one of that name with another digest");
+  }
+}
+
 
 void save_answers(const std::map<std::string, std::string>& files, const std::filesystem::path& folder,
                   bool force) {
   for (const auto& [name, bytes] : files) {
     if (!force) check_can_save(folder / name, bytes);
   }
+  check_names(by_study);
   make_folder(folder);
   for (const auto& [name, bytes] : files) save_text(folder / name, bytes);
 }

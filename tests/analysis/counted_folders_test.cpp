@@ -213,6 +213,22 @@ TEST_F(Folders, with_answers_that_the_study_does_not_allow_name_log_and_session)
   EXPECT_EQ(refuse(first), place + "one answer to each cell, got " + first + " again");
 }
 
+TEST_F(Folders, of_two_studies_of_one_name_are_refused_by_folder) {
+  make_answered_folder(temporary_ / "z", "pocket", 4, 2, 2);
+  const StudyFolder folder{temporary_ / "z"};
+  std::string text = load_text(folder.study());
+  text.replace(text.find("\"description\": \""), 16, "\"description\": \"Another. ");
+  save_text(folder.study(), text);
+  const std::string digest = load_folder_study(folder).digest;
+  RawDatabase(folder.responses()).query("UPDATE session SET study_digest = '" + digest + "'");
+  fs::remove(folder.selection(SubjectKind::kPlanted));
+  const std::string error = message_of<InputError>([&] { load({"a", "z"}); });
+  EXPECT_THAT(error, testing::HasSubstr("pocket"));
+  EXPECT_THAT(error, testing::HasSubstr("one of that name with another digest"));
+  for (const char* name : {"a", "z"})
+    EXPECT_THAT(error, testing::HasSubstr((temporary_ / name).generic_string()));
+}
+
 TEST_F(Folders, with_a_person_who_finished_in_two_logs_warn) {
   const Study study = load_folder_study(StudyFolder{temporary_ / "a"});
   for (const auto& [name, index] : {std::pair("a", 0), std::pair("b", 0), std::pair("b", 1)}) {
