@@ -57,9 +57,21 @@ std::string describe_sessions(const ExperimentEvidence& evidence, Experiment exp
                      evidence.answers.size());
 }
 
-std::string describe_outcome(PruneOutcome outcome, const std::string& path) {
+std::string list_digests(const std::vector<std::string>& digests) {
+  std::vector<std::string> parts;
+  for (const std::string& digest : digests) parts.push_back(digest.substr(0, 12) + "...");
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string describe_outcome(PruneOutcome outcome, const std::string& path,
+                             const std::vector<std::string>& used) {
   switch (outcome) {
     case PruneOutcome::kWritten:
+    case PruneOutcome::kMissingOther:
+      return fmt::format(
+          "{} is missing, and sessions have used one of digest {}; pruning again would give the above "
+          "instead. Put the one that was used back. Nothing was written.\n",
+          path, list_digests(used));
       return fmt::format("wrote {}\n", path);
     case PruneOutcome::kUnchanged:
       return fmt::format("{} stands already, unchanged\n", path);
@@ -410,8 +422,9 @@ int run_prune(const AnalyzeParams& params) {
   const PruneOutcome outcome = decide_pruning(fresh, standing, used);
   if (outcome == PruneOutcome::kWritten) save_selection(fresh, path);
   fmt::print("{}{}{}", describe_sessions(evidence.artifact, Experiment::kArtifact),
-             format_selection(fresh, study), describe_outcome(outcome, path.string()));
-  return outcome == PruneOutcome::kFrozenOther ? kExitError : kExitOk;
+             format_selection(fresh, study), describe_outcome(outcome, path.string(), used));
+  const bool is_other = outcome == PruneOutcome::kFrozenOther || outcome == PruneOutcome::kMissingOther;
+  return is_other ? kExitError : kExitOk;
 }
 
 int run_report(const AnalyzeParams& params) {

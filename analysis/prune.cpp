@@ -35,7 +35,8 @@ PruneOutcome decide_pruning(const Selection& fresh, const std::optional<Selectio
   const std::string digest = digest_selection(fresh);
   const bool stands = standing && digest_selection(*standing) == digest;
   if (used.empty()) return stands ? PruneOutcome::kUnchanged : PruneOutcome::kWritten;
-  if (std::find(used.begin(), used.end(), digest) == used.end()) return PruneOutcome::kFrozenOther;
+  if (std::find(used.begin(), used.end(), digest) == used.end())
+    return standing ? PruneOutcome::kFrozenOther : PruneOutcome::kMissingOther;
   if (!standing) return PruneOutcome::kWritten;
   return stands ? PruneOutcome::kFrozenEqual : PruneOutcome::kFrozenOther;
 }

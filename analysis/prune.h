@@ -23,7 +23,8 @@ enum class PruneOutcome {
   kWritten,      ///< made, or made anew
   kUnchanged,    ///< it stands there already, equal
   kFrozenEqual,  ///< a session has used it, and pruning again would give the same
-  kFrozenOther   ///< a session has used it, and pruning again would give another: nothing is written
+  kFrozenOther,  ///< a session has used it, and pruning again would give another: nothing is written
+  kMissingOther  ///< the same of one that is not there
 };
 
 /// `used`: digests of the selections that material sessions of the kind were made from.

@@ -213,6 +213,23 @@ TEST_F(Folders, with_answers_that_the_study_does_not_allow_name_log_and_session)
   EXPECT_EQ(refuse(first), place + "one answer to each cell, got " + first + " again");
 }
 
+// By the other rule: its selection would be another.
+TEST_F(Folders, whose_used_selection_is_missing_are_not_called_frozen) {
+  const StudyFolder folder{temporary_ / "a"};
+  const auto path = folder.selection(SubjectKind::kPlanted);
+  const std::string used = digest_selection(load_selection(path, load_folder_study(folder)));
+  fs::remove(path);
+  AnalyzeParams params = make_params({folder.root}, {});
+  params.rule = Rule::kIsotonic;
+  testing::internal::CaptureStdout();
+  EXPECT_NE(run_prune(params), 0);
+  const std::string told = testing::internal::GetCapturedStdout();
+  EXPECT_THAT(told, testing::HasSubstr(path.string() + " is missing, and sessions have used one of digest " +
+                                       used.substr(0, 12) + "...;"));
+  EXPECT_THAT(told, testing::Not(testing::HasSubstr("frozen")));
+  EXPECT_FALSE(fs::exists(path));
+}
+
 TEST_F(Folders, of_two_studies_of_one_name_are_refused_by_folder) {
   make_answered_folder(temporary_ / "z", "pocket", 4, 2, 2);
   const StudyFolder folder{temporary_ / "z"};

@@ -89,7 +89,7 @@ TEST(Pruning, restores_a_lost_selection_that_was_used_but_writes_no_other_in_its
   const Selection other = make_selection(study, none, SubjectKind::kPerson, Rule::kPaper, "two");
   const std::string used = digest_selection(first);
   EXPECT_EQ(decide_pruning(first, std::nullopt, {used}), PruneOutcome::kWritten);
-  EXPECT_EQ(decide_pruning(other, std::nullopt, {used}), PruneOutcome::kFrozenOther);
+  EXPECT_EQ(decide_pruning(other, std::nullopt, {used}), PruneOutcome::kMissingOther);
 }
 
 }  // namespace
