@@ -58,6 +58,13 @@ double parse_proportion(const std::string& text, std::string_view source, const 
   return value;
 }
 
+// As cells.csv spells it, "C4n" of a normalised study, or without the n.
+int parse_level(const std::string& text, const Study& study, std::string_view source,
+                const std::string& place) {
+  const bool is_marked = study.normalise && text.ends_with('n');
+  return parse_clamp_level(is_marked ? text.substr(0, text.size() - 1) : text, source, place);
+}
+
 // Whether a window that begins at this level has all its levels in the study.
 bool is_start(int first, const std::vector<int>& clamp_levels) {
   for (int level = first; level < first + kWindowLevels; ++level) {
@@ -123,7 +130,7 @@ Tally parse_prediction(std::string_view text, std::string_view source, const Stu
   for (std::size_t row = 0; row < table.rows.size(); ++row) {
     const std::string place = fmt::format("line {}", row + 2);
     const Cell cell{parse_column(table.rows[row][column], source, place),
-                    parse_clamp_level(table.rows[row][clamp], source, place), study.normalise};
+                    parse_level(table.rows[row][clamp], study, source, place), study.normalise};
     const auto found = tally.find(cell);
     if (found == tally.end())
       throw InputError(source, place, fmt::format("a cell of the study {}", study.name), format_key(cell));

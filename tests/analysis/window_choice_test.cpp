@@ -109,6 +109,20 @@ TEST(WindowChoice, takes_a_prediction_as_spreadsheets_write_it) {
     EXPECT_EQ(parse(text), plain) << text;
 }
 
+TEST(WindowChoice, of_a_normalised_study_takes_levels_as_its_own_tables_spell_them) {
+  const Study study = load_protocol("normalisation");
+  const std::string column = format_key(enumerate_columns(study)[0]);
+  const auto parse = [&](const char* level) {
+    return parse_prediction(fmt::format("column,clamp,proportion\n{},{},0.9\n", column, level),
+                            "prediction.csv", study);
+  };
+  EXPECT_EQ(parse("C4n"), parse("C4"));
+  EXPECT_EQ(parse("C4n").at({enumerate_columns(study)[0], 4, true}).k, 900000);
+  EXPECT_THROW(parse("C4nn"), InputError);
+  EXPECT_NE(find_error("column,clamp,proportion\nG0-MS-ind-1k,C4n,1\n"), "")
+      << "a plain study has no such level";
+}
+
 TEST(WindowChoice, names_what_is_wrong_with_a_prediction) {
   for (const auto& [text, error] : std::vector<std::pair<std::string, std::string>>{
            {"column,clamp\nG0-MS-ind-1k,C1\n",
