@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "analysis/words.h"
 #include "base/digest.h"
 #include "base/error.h"
 
@@ -122,7 +123,8 @@ SessionTotals count_others(const std::vector<SessionRow>& sessions, std::optiona
 std::string describe_totals(const SessionTotals& totals) {
   std::vector<std::string> parts;
   for (const auto& [of, count] : totals)
-    parts.push_back(fmt::format("{} {} sessions of the kind {}", count, format_experiment(of.second),
+    parts.push_back(fmt::format("{} of the kind {}",
+                                format_count(count, format_experiment(of.second) + " session"),
                                 format_kind(of.first)));
   return fmt::format("{}", fmt::join(parts, ", "));
 }

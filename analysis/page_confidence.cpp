@@ -10,6 +10,7 @@
 #include "analysis/report_tables.h"
 #include "analysis/tables.h"
 #include "analysis/trend_bounds.h"
+#include "analysis/words.h"
 
 namespace equilux {
 namespace {
@@ -194,24 +195,25 @@ Firmness count_firm(const Report& report, Rule rule) {
 std::string format_assumed(std::size_t columns) {
   if (columns == 0) return "";
   return fmt::format(
-      " ({} more would, but stand on levels alone that were never tested for artifacts, of which the rule "
+      " ({} more would, but {} on levels alone that were never tested for artifacts, of which the rule "
       "allows no doubt)",
-      columns);
+      columns, choose_form(columns, "stands", "stand"));
 }
 
 std::string describe_judged(const Firmness& sum) {
   std::string text = fmt::format(
-      "Of {} columns with answers of two or more subjects in both experiments, {} have a verdict that at "
+      "Of {} with answers of two or more subjects in both experiments, {} {} a verdict that at "
       "least 95&nbsp;% of posterior draws from either prior and of resamples of subjects share{}; in {} "
       "leaving out a single subject turns it, and in {} a cut at 70 or 80&nbsp;% correct instead of "
       "75&nbsp;% does.",
-      sum.judged, sum.firm, format_assumed(sum.assumed), sum.by_one, sum.by_cut);
+      format_count(sum.judged, "column"), sum.firm, choose_form(sum.firm, "has", "have"),
+      format_assumed(sum.assumed), sum.by_one, sum.by_cut);
   if (sum.judged == 0) text = "No column has answers of two or more subjects in both experiments.";
   if (sum.of_one_subject == 0) return text;
   return text + fmt::format(
-                    " In {} columns an experiment has one subject alone: nothing was resampled there, and "
+                    " In {} an experiment has one subject alone: nothing was resampled there, and "
                     "nobody could be left out.",
-                    sum.of_one_subject);
+                    format_count(sum.of_one_subject, "column"));
 }
 
 // Flagged iff 4 k >= 3 n: what leaving one out makes of the cell that is nearest to being flagged.
@@ -244,11 +246,11 @@ std::string describe_unattainable(const std::vector<Trend>& trends, const std::v
   }
   if (beyond == 0) return "";
   return fmt::format(
-      "{} of the {} trends that are asked for could not be shown whatever the answers: so few objects give "
+      "{} of the {} that {} asked for could not be shown whatever the answers: so few objects give "
       "no "
       "p by Holm of "
       "{:g} or less. That nothing is shown there says nothing against a trend.",
-      beyond, asked, kTrendLevel);
+      beyond, format_count(asked, "trend"), choose_form(asked, "is", "are"), kTrendLevel);
 }
 
 std::vector<std::string> trend_fields(const Trend& trend, double least_holm) {
@@ -281,10 +283,11 @@ std::string format_uncertainty(const Report& report) {
               {}};
   for (std::size_t c = 0; c < report.findings.size(); ++c) table.rows.push_back(confidence_row(report, c));
   const Firmness sum = count_firm(report, report.rule);
-  return fmt::format("<p>{} EE is found in {} columns, of which {} {} supported at some level.</p>\n",
-                     describe_judged(sum), sum.exists, sum.supported, sum.supported == 1 ? "is" : "are") +
-         fmt::format("<details><summary>Each of the {} columns</summary>\n{}</details>\n", table.rows.size(),
-                     format_html_table(table, 99)) +
+  return fmt::format("<p>{} EE is found in {}, of which {} {} supported at some level.</p>\n",
+                     describe_judged(sum), format_count(sum.exists, "column"), sum.supported,
+                     choose_form(sum.supported, "is", "are")) +
+         fmt::format("<details><summary>Each of the {}</summary>\n{}</details>\n",
+                     format_count(table.rows.size(), "column"), format_html_table(table, 99)) +
          fmt::format(
              "<p class=\"note\">EE, equivalence exists: + at some level, &minus; at none, ? not tested to "
              "the end. "
@@ -363,7 +366,7 @@ std::string format_rule_certainty(const Report& report) {
   const Firmness paper = count_firm(report, Rule::kPaper), isotonic = count_firm(report, Rule::kIsotonic);
   if (paper.judged + isotonic.judged == 0) return "";
   return fmt::format(
-             "<p>How sure a verdict is can depend on the rule; here it does in {} columns. Firm, that is "
+             "<p>How sure a verdict is can depend on the rule; here it does in {}. Firm, that is "
              "shared by at "
              "least 95&nbsp;% of draws from either prior and of resamples and does not stand on untested "
              "levels alone, are {} of {} verdicts under <i>paper</i> and {} "
@@ -371,7 +374,7 @@ std::string format_rule_certainty(const Report& report) {
              "<i>isotonic</i>. Under <i>paper</i> one level flagged by chance moves the cut; under "
              "<i>isotonic</i> it is "
              "pooled with its neighbours first.</p>\n",
-             differ, paper.firm, paper.judged, isotonic.firm, isotonic.judged) +
+             format_count(differ, "column"), paper.firm, paper.judged, isotonic.firm, isotonic.judged) +
          format_html_table(table, 99) + "<p class=\"note\">From <code>ee.csv</code>.</p>\n";
 }
 

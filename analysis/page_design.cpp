@@ -9,6 +9,7 @@
 #include "analysis/page_sections.h"
 #include "analysis/participation.h"
 #include "analysis/tables.h"
+#include "analysis/words.h"
 
 namespace equilux {
 namespace {
@@ -116,16 +117,14 @@ std::string describe_scene(const Study& study) {
   if (!has_own_scene(study)) {
     return fmt::format(
         "<p class=\"note\">{} Shapes and materials are those of the scene file <code>{}</code>, of which the "
-        "study "
-        "folder holds no copy.</p>\n",
+        "study folder holds no copy.</p>\n",
         pictures, scene);
   }
   return fmt::format(
       "<p class=\"note\">{} Shapes and materials as in the scene <code>{}</code> that comes with the program "
-      "and "
-      "that the study names: the study folder holds no copy of it, so a scene edited before rendering would "
-      "not "
-      "show here (<code>made_from</code> in <code>layers.json</code> would differ). &rho;<sub>d</sub>, "
+      "and that the study names: the study folder holds no copy of it, so a scene edited before rendering "
+      "would not show here (<code>made_from</code> in <code>layers.json</code> would differ). "
+      "&rho;<sub>d</sub>, "
       "&rho;<sub>s</sub>: diffuse and specular reflectance, equal in all channels; &alpha;: roughness.</p>\n",
       pictures, scene);
 }
@@ -151,8 +150,7 @@ std::string describe_artifact_pictures(const Study& study) {
 std::string describe_material_pictures(const Study& study) {
   return fmt::format(
       "three of the same geometry, material and illumination: a reference above, a VPL picture and a "
-      "reference "
-      "below; {}",
+      "reference below; {}",
       study.view_mode == ViewMode::kReferenceTurned
           ? "the upper one from one view, both lower ones from the other"
           : "the lower reference from one view, the upper one and the VPL picture from the other");
@@ -212,10 +210,9 @@ std::string describe_selection(const Report& report) {
     columns += column.levels.empty() ? 0 : 1;
   }
   return fmt::format(
-      "of the levels free of artifacts {} the first, every second and the last: {} levels "
-      "in {} "
-      "of {} columns",
-      describe_selection_rule(*report.selection), levels, columns, report.selection->columns.size());
+      "of the levels free of artifacts {} the first, every second and the last: {} in {} of {}",
+      describe_selection_rule(*report.selection), format_count(levels, "level"), columns,
+      format_count(report.selection->columns.size(), "column"));
 }
 
 std::string format_trials(const ExperimentEvidence& evidence) {
@@ -230,23 +227,24 @@ std::string format_subjects_count(const Report& report, Experiment experiment) {
   const auto planned = report.study.subjects.find(format_experiment(experiment));
   const std::size_t finished = report.evidence.of(experiment).finished.size();
   if (planned == report.study.subjects.end()) return fmt::format("{}", finished);
-  return fmt::format("{} planned, {} finished sessions", planned->second, finished);
+  return fmt::format("{} planned, {}", planned->second, format_count(finished, "finished session"));
 }
 
 std::vector<std::string> describe_familiarisation(const SessionProtocol& protocol) {
   std::vector<std::string> parts;
   if (protocol.shows_objects) parts.push_back("all objects");
-  if (protocol.examples > 0) parts.push_back(fmt::format("{} labelled examples", protocol.examples));
+  if (protocol.examples > 0) parts.push_back(format_count(protocol.examples, "labelled example"));
   if (protocol.practice_trials > 0)
-    parts.push_back(fmt::format("{} practice trials with feedback", protocol.practice_trials));
+    parts.push_back(format_count(protocol.practice_trials, "practice trial") + " with feedback");
   return parts;
 }
 
 std::string describe_breaks(const SessionProtocol& protocol) {
   std::vector<std::string> parts;
-  if (protocol.break_every_trials) parts.push_back(fmt::format("{} trials", *protocol.break_every_trials));
+  if (protocol.break_every_trials) parts.push_back(format_count(*protocol.break_every_trials, "trial"));
   if (protocol.break_every_minutes)
-    parts.push_back(fmt::format("{:g} minutes", *protocol.break_every_minutes));
+    parts.push_back(fmt::format("{:g} {}", *protocol.break_every_minutes,
+                                choose_form(*protocol.break_every_minutes, "minute", "minutes")));
   return parts.empty() ? "no breaks" : fmt::format("a break after every {}", fmt::join(parts, " or "));
 }
 
@@ -265,9 +263,9 @@ std::string describe_protocol(const SessionProtocol& protocol) {
   parts.push_back(describe_breaks(protocol));
   if (protocol.catch_trials)
     parts.push_back(
-        fmt::format("{} catch trials of an obvious difference, spread over the session, of which {} "
+        fmt::format("{} of an obvious difference, spread over the session, of which {} "
                     "should be right; not counted",
-                    protocol.catch_trials->count, protocol.catch_trials->pass));
+                    format_count(protocol.catch_trials->count, "catch trial"), protocol.catch_trials->pass));
   if (protocol.least_response_ms > 0)
     parts.push_back(
         fmt::format("answers in less than {} ms are kept, counted and marked", protocol.least_response_ms));
@@ -294,8 +292,9 @@ std::string format_protocol(const Report& report) {
     }
   }
   return fmt::format(
-      "<p>A session, by <code>session.json</code>, which {} of {} finished sessions followed{}: {}.{}</p>\n",
-      followed, all, unknown == 0 ? "" : fmt::format(" (of {} it is not recorded)", unknown),
+      "<p>A session, by <code>session.json</code>, which {} of {} followed{}: {}.{}</p>\n", followed,
+      format_count(all, "finished session"),
+      unknown == 0 ? "" : fmt::format(" (of {} it is not recorded)", unknown),
       describe_protocol(*report.protocol),
       report.evidence.kind == SubjectKind::kPerson
           ? ""
@@ -358,8 +357,9 @@ std::string format_value_range(const Participation& participation, const char* n
   const std::string values = range.least == range.greatest
                                  ? fmt::format("{:.4g}", range.least)
                                  : fmt::format("{:.4g} to {:.4g}", range.least, range.greatest);
-  return range.sessions == participation.sessions ? values
-                                                  : fmt::format("{} ({} sessions)", values, range.sessions);
+  return range.sessions == participation.sessions
+             ? values
+             : fmt::format("{} ({})", values, format_count(range.sessions, "session"));
 }
 
 std::string target_of(const Study& study, const std::string& name) {
@@ -429,18 +429,18 @@ std::string format_overlap(const Report& report) {
                     material = count_participants(report.evidence.material);
   if (artifact == 0 || material == 0) return "";
   const std::size_t both = count_in_both(report.evidence);
-  const std::string subjects =
-      report.evidence.kind == SubjectKind::kPerson ? "participants" : "simulated subjects";
+  const std::string subject =
+      report.evidence.kind == SubjectKind::kPerson ? "participant" : "simulated subject";
   if (both == 0)
     return fmt::format(
-        "<p>No code of the {} of one experiment is among those of the other: as far as codes tell they "
+        "<p>No code of the {}s of one experiment is among those of the other: as far as codes tell they "
         "are other people.</p>\n",
-        subjects);
+        subject);
   return fmt::format(
-      "<p>Of the {} {} of the material experiment {} had a finished session of the artifact experiment ({} "
-      "{}) under "
+      "<p>Of the {} of the material experiment {} had a finished session of the artifact experiment ({}) "
+      "under "
       "the same code{}.</p>\n",
-      material, subjects, both, artifact, artifact == 1 ? "code" : "codes",
+      format_count(material, subject), both, format_count(artifact, "code"),
       report.evidence.kind == SubjectKind::kPerson
           ? ": where a code is one person, the experiments are not independent samples of people"
           : ", which is only a number: what they answer in one does not depend on the other");

@@ -13,6 +13,7 @@
 #include "analysis/probability.h"
 #include "analysis/tables.h"
 #include "analysis/views.h"
+#include "analysis/words.h"
 #include "base/version.h"
 
 namespace equilux {
@@ -248,11 +249,11 @@ std::string format_html_table(const Table& table, std::size_t first_number) {
 std::string format_asked(const Report& report) {
   const Study& study = report.study;
   return (study.description.empty() ? "" : fmt::format("<p>{}</p>\n", escape_xml(study.description))) +
-         fmt::format(
-             "<p>{} columns (a geometry, material, illumination and VPL count) of {} clamp levels: {} "
-             "cells.{}</p>\n",
-             report.findings.size(), study.clamp_levels.size(), enumerate_cells(study).size(),
-             study.normalise ? " All pictures were luminance-normalised." : "") +
+         fmt::format("<p>{} (a geometry, material, illumination and VPL count) of {}: {}.{}</p>\n",
+                     format_count(report.findings.size(), "column"),
+                     format_count(study.clamp_levels.size(), "clamp level"),
+                     format_count(enumerate_cells(study).size(), "cell"),
+                     study.normalise ? " All pictures were luminance-normalised." : "") +
          format_design(report) + format_levels_table(report);
 }
 

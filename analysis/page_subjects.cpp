@@ -5,6 +5,7 @@
 #include "analysis/markup.h"
 #include "analysis/page_sections.h"
 #include "analysis/tables.h"
+#include "analysis/words.h"
 
 namespace equilux {
 namespace {
@@ -43,18 +44,24 @@ std::vector<std::string> subject_fields(Experiment experiment, const SubjectFind
       format_share(finding.agreement)};
 }
 
+// "=&nbsp;0.0123", "&lt; 0.0001": what stands behind a p.
+std::string format_equal_or_small(double p) {
+  const std::string number = format_small(p);
+  return number.starts_with('&') ? number : "=&nbsp;" + number;
+}
+
 std::string format_order(const OrderEffect& order, Experiment experiment) {
   const std::string name = format_experiment(experiment);
   if (!order.correct || !order.p)
-    return fmt::format("<li>{}: {} subjects with a finished session, too few to say.</li>\n", name,
-                       order.subjects);
+    return fmt::format("<li>{}: {} with answers in both halves of a finished session, too few to say.</li>\n",
+                       name, format_count(order.subjects, "subject"));
   return fmt::format(
       "<li>{}: from the first half of a session to the second the share of right answers of {} subjects "
       "changed by "
-      "{:+.1f} percentage points (95&nbsp;% interval {:+.1f} to {:+.1f}, p&nbsp;=&nbsp;{} by sign "
+      "{:+.1f} percentage points (95&nbsp;% interval {:+.1f} to {:+.1f}, p&nbsp;{} by sign "
       "flips){}.</li>\n",
       name, order.subjects, 100 * *order.correct, 100 * order.interval->lower, 100 * order.interval->upper,
-      format_small(*order.p),
+      format_equal_or_small(*order.p),
       order.speed ? fmt::format("; an answer took {:.2f} times as long", *order.speed) : "");
 }
 
@@ -68,7 +75,8 @@ std::string format_flipped(const Report& report) {
   if (marked == 0) return "<p>No session is marked.</p>\n";
   std::vector<std::string> keys;
   for (const Column& column : report.flipped_without_marked) keys.push_back(escape_xml(format_key(column)));
-  return fmt::format("<p>{} marked sessions count all the same. Without them {}.</p>\n", marked,
+  return fmt::format("<p>{} {} all the same. Without {} {}.</p>\n", format_count(marked, "marked session"),
+                     choose_form(marked, "counts", "count"), choose_form(marked, "it", "them"),
                      keys.empty()
                          ? "no verdict would be another"
                          : fmt::format("these verdicts would be another: {}", fmt::join(keys, ", ")));
@@ -87,8 +95,8 @@ std::string format_subjects(const Report& report) {
   return format_flipped(report) + "<ul>\n" +
          format_order(report.artifact_subjects.order, Experiment::kArtifact) +
          format_order(report.material_subjects.order, Experiment::kMaterial) + "</ul>\n" +
-         fmt::format("<details><summary>Each of the {} sessions</summary>\n{}</details>\n", table.rows.size(),
-                     format_html_table(table, 3)) +
+         fmt::format("<details><summary>Each of the {}</summary>\n{}</details>\n",
+                     format_count(table.rows.size(), "session"), format_html_table(table, 3)) +
          "<p class=\"note\">Correct, left: shares of the answers. p of side: left against one half, "
          "two-sided exact "
          "binomial. Median: from onset to press. Catch trials right: of those answered, in brackets the "

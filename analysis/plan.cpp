@@ -199,6 +199,14 @@ std::string format_plan_plot(const std::vector<SubjectPlanRow>& rows, FigureForm
   }
   text += fmt::format("EOD\nset xlabel 'subjects {}'\n",
                       have_equal_numbers(rows) ? "in each experiment" : "in the artifact experiment");
+  const auto [least, most] = std::minmax_element(
+      rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.subjects < b.subjects; });
+  // One number of subjects, or levels that are nowhere green, are an empty range to gnuplot.
+  if (least != rows.end() && least->subjects == most->subjects)
+    text += fmt::format("set xrange [{}:{}]\n", least->subjects - 1, least->subjects + 1);
+  const bool is_flat = std::none_of(rows.begin(), rows.end(), [](const SubjectPlanRow& row) {
+    return row.green_width.value > 0 || row.supported.value > 0;
+  });
   return text + R"(set multiplot layout 1,2
 set border lc rgb '#666666'
 set grid lc rgb '#dddddd'
@@ -209,8 +217,8 @@ plot $rows using 1:2 with linespoints pt 4 dt 2 lc rgb '#d55e00' title 'false fl
   $rows using 1:3 with linespoints pt 7 lc rgb '#0072b2' title 'power', \
   $rows using 1:4 with linespoints pt 9 dt 4 lc rgb '#000000' title 'artifact cuts right', \
   $rows using 1:5 with linespoints pt 13 lc rgb '#009e73' title 'EE right'
-set yrange [0:*]
-set ylabel 'clamp levels of a column'
+)" + (is_flat ? "" : "set yrange [0:*]\n") +
+         R"(set ylabel 'clamp levels of a column'
 plot $rows using 1:6 with linespoints pt 7 lc rgb '#009e73' title 'green', \
   $rows using 1:7 with linespoints pt 4 dt 2 lc rgb '#000000' title 'green and supported'
 unset multiplot

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "analysis/words.h"
 #include "base/error.h"
 
 namespace equilux {
@@ -93,8 +94,9 @@ bool warn_of_manifests(std::vector<std::string>& warnings, const std::vector<Poo
     found = true;
     warnings.push_back(
         fmt::format("Answers about different pictures are added up: of {} pictures that {} and {} both have, "
-                    "{} differ, the first {}.",
-                    sum.common, first->folder, part.folder, sum.different, sum.first));
+                    "{} {}, the first {}.",
+                    sum.common, first->folder, part.folder, sum.different,
+                    choose_form(sum.different, "differs", "differ"), sum.first));
   }
   return found;
 }

@@ -18,6 +18,7 @@
 #include "analysis/tables.h"
 #include "analysis/warnings.h"
 #include "analysis/window_choice.h"
+#include "analysis/words.h"
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -52,9 +53,9 @@ std::vector<ConvergenceExhibit> load_convergences(const std::filesystem::path& f
 }
 
 std::string describe_sessions(const ExperimentEvidence& evidence, Experiment experiment) {
-  return fmt::format("{}: {} finished sessions, {} unfinished left out, {} answers\n",
-                     format_experiment(experiment), evidence.finished.size(), evidence.unfinished,
-                     evidence.answers.size());
+  return fmt::format("{}: {}, {} unfinished left out, {}\n", format_experiment(experiment),
+                     format_count(evidence.finished.size(), "finished session"), evidence.unfinished,
+                     format_count(evidence.answers.size(), "answer"));
 }
 
 std::string list_digests(const std::vector<std::string>& digests) {
@@ -66,12 +67,12 @@ std::string list_digests(const std::vector<std::string>& digests) {
 std::string describe_outcome(PruneOutcome outcome, const std::string& path,
                              const std::vector<std::string>& used) {
   switch (outcome) {
-    case PruneOutcome::kWritten:
     case PruneOutcome::kMissingOther:
       return fmt::format(
           "{} is missing, and sessions have used one of digest {}; pruning again would give the above "
           "instead. Put the one that was used back. Nothing was written.\n",
           path, list_digests(used));
+    case PruneOutcome::kWritten:
       return fmt::format("wrote {}\n", path);
     case PruneOutcome::kUnchanged:
       return fmt::format("{} stands already, unchanged\n", path);
@@ -166,9 +167,9 @@ void warn_of_absent_pictures(FolderReading& reading) {
   }
   const std::set<Cell> unpictured = find_unpictured(reading, *reading.sources.manifest);
   if (!unpictured.empty())
-    reading.warnings.push_back(
-        fmt::format("Of {} cells with answers the manifest has no picture, the first {}.", unpictured.size(),
-                    format_key(*unpictured.begin())));
+    reading.warnings.push_back(fmt::format("Of {} with answers the manifest has no picture, the first {}.",
+                                           format_count(unpictured.size(), "cell"),
+                                           format_key(*unpictured.begin())));
 }
 
 void add_sources(FolderReading& reading, const StudyFolder& folder, const AnalyzeParams& params) {
@@ -182,7 +183,8 @@ void add_sources(FolderReading& reading, const StudyFolder& folder, const Analyz
   const std::vector<Finding> findings = verify_manifest(folder, reading.study, reading.sources.manifest);
   if (params.verify && has_answers(reading)) refuse_findings(findings, folder);
   if (!findings.empty())
-    reading.warnings.push_back(fmt::format("Of the pictures {} do not verify, the first {}", findings.size(),
+    reading.warnings.push_back(fmt::format("Of the pictures {} {} not verify, the first {}", findings.size(),
+                                           choose_form(findings.size(), "does", "do"),
                                            format_finding(findings.front())));
 }
 
@@ -211,11 +213,12 @@ void read_unfinished(std::vector<FolderReading>& readings, const AnalyzeParams& 
     reading.evidence = load_evidence_of(folder, reading.study, kind);
     add_sources(reading, folder, params);
     const std::size_t material = reading.evidence->material.finished.size();
-    reading.warnings.push_back(
-        fmt::format("No artifact session of the kind {} is finished here: {} unfinished ones, {}.",
-                    format_kind(kind), reading.evidence->artifact.unfinished,
-                    material == 0 ? "none to count"
-                                  : fmt::format("and {} finished material sessions, which count", material)));
+    reading.warnings.push_back(fmt::format(
+        "No artifact session of the kind {} is finished here: {}, {}.", format_kind(kind),
+        format_count(reading.evidence->artifact.unfinished, "unfinished one"),
+        material == 0 ? "none to count"
+                      : fmt::format("and {}, which {}", format_count(material, "finished material session"),
+                                    choose_form(material, "counts", "count"))));
   }
 }
 
@@ -258,37 +261,6 @@ std::vector<FolderReading> read_folders(const AnalyzeParams& params) {
   return readings;
 }
 
-std::string list_first(const std::vector<std::string>& names) {
-  constexpr std::size_t kListed = 5;
-  const auto shown = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kListed));
-  const std::string list = fmt::format("{}", fmt::join(names.begin(), shown, ", "));
-  return names.size() > kListed ? fmt::format("{} and {} more", list, names.size() - kListed) : list;
-}
-
-// In one log nobody finishes an experiment twice.
-void warn_of_repeaters(const ExperimentEvidence& evidence, Experiment experiment, SubjectKind kind,
-                       std::vector<std::string>& warnings) {
-  std::map<std::string, std::size_t> finished;
-  for (const SessionRow& row : evidence.finished) ++finished[row.participant];
-  finished.erase("");
-  std::vector<std::string> repeaters;
-  for (const auto& [participant, count] : finished) {
-    if (count > 1) repeaters.push_back(fmt::format("{} ({} times)", participant, count));
-  }
-  if (repeaters.empty()) return;
-  warnings.push_back(fmt::format(
-      "{} finished the {} experiment more than once, in different logs: {}. The {} sessions are of {} codes. "
-      "One subject each are the sessions of a code for what draws subjects again or leaves them out: ranges "
-      "of cuts, resampled EE, intervals of trends, verdicts turned by one, the order effect. Each session "
-      "counts as another subject in k and n, and so in flags, cuts, verdicts, intervals of cells "
-      "(Clopper-Pearson, Jeffreys), p, q, posteriors and what is supported: if a code is one {}, those are "
-      "too "
-      "sure of themselves.",
-      kind == SubjectKind::kPerson ? "Participants" : "Simulated subjects of one code",
-      format_experiment(experiment), list_first(repeaters), evidence.finished.size(), finished.size(),
-      kind == SubjectKind::kPerson ? "person" : "subject"));
-}
-
 // What stands beside answers that are counted; a folder without any has no say.
 ReportSources pool_counted(const std::vector<FolderReading>& readings, std::vector<std::string>& warnings) {
   std::vector<PoolPart> parts;
@@ -323,8 +295,7 @@ Report pool_readings(std::vector<FolderReading> readings, const AnalyzeParams& p
     evidence.push_back(std::move(*reading.evidence));
   }
   Evidence pool = pool_evidence(std::move(evidence), names);
-  warn_of_repeaters(pool.artifact, Experiment::kArtifact, pool.kind, warnings);
-  warn_of_repeaters(pool.material, Experiment::kMaterial, pool.kind, warnings);
+  for (std::string& warning : find_repeater_warnings(pool)) warnings.push_back(std::move(warning));
   Report report = make_pooled_report(readings.front().study, std::move(pool), params.rule, std::move(sources),
                                      params.uncertainty, warnings);
   if (names.size() > 1) report.folders = names;
@@ -362,6 +333,23 @@ void check_can_save(const std::filesystem::path& path, const std::string& bytes)
     throw InputError(path.string(), "", "a free name or a file with the same bytes",
                      "one with others; --force replaces an earlier export");
 }
+
+void save_answers(const std::map<std::string, std::string>& files, const std::filesystem::path& folder,
+                  bool force) {
+  for (const auto& [name, bytes] : files) {
+    if (!force) check_can_save(folder / name, bytes);
+  }
+  make_folder(folder);
+  for (const auto& [name, bytes] : files) save_text(folder / name, bytes);
+}
+
+// What no report wrote, or somebody changed since.
+std::string describe_others(const std::vector<std::string>& others) {
+  if (others.empty()) return "";
+  return fmt::format("not of this report, left as found: {}{}\n", others.front(),
+                     others.size() > 1 ? fmt::format(" and {} more", others.size() - 1) : "");
+}
+
 // Studies by their digests. Files of a report are named by the study.
 void check_names(const std::map<std::string, std::vector<FolderReading>>& by_study) {
   std::map<std::string, const FolderReading*> firsts;
@@ -376,30 +364,13 @@ void check_names(const std::map<std::string, std::vector<FolderReading>>& by_stu
   }
 }
 
-
-void save_answers(const std::map<std::string, std::string>& files, const std::filesystem::path& folder,
-                  bool force) {
-  for (const auto& [name, bytes] : files) {
-    if (!force) check_can_save(folder / name, bytes);
-  }
-  check_names(by_study);
-  make_folder(folder);
-  for (const auto& [name, bytes] : files) save_text(folder / name, bytes);
-}
-
-// What no report wrote, or somebody changed since.
-std::string describe_others(const std::vector<std::string>& others) {
-  if (others.empty()) return "";
-  return fmt::format("not of this report, left as found: {}{}\n", others.front(),
-                     others.size() > 1 ? fmt::format(" and {} more", others.size() - 1) : "");
-}
-
 }  // namespace
 
 std::vector<Report> load_reports(const AnalyzeParams& params) {
   std::map<std::string, std::vector<FolderReading>> by_study;
   auto all = read_folders(params);
   for (FolderReading& reading : all) by_study[reading.study.digest].push_back(std::move(reading));
+  check_names(by_study);
   std::vector<Report> reports;
   for (auto& [digest, readings] : by_study) reports.push_back(pool_readings(std::move(readings), params));
   sort_reports(reports);
@@ -447,7 +418,7 @@ int run_export(const AnalyzeParams& params) {
   save_answers(
       {{table.file, format_csv(table.table)}, {"csv-metadata.json", format_json(make_csv_metadata({table}))}},
       params.out, params.force);
-  fmt::print("{} answers: {}\n", table.table.rows.size(), (params.out / table.file).string());
+  fmt::print("{}: {}\n", format_count(table.table.rows.size(), "answer"), (params.out / table.file).string());
   return kExitOk;
 }
 
@@ -459,9 +430,9 @@ int run_plan(const std::filesystem::path& source, const SubjectPlanParams& param
   const Windows windows = load_windows(study.windows_path, study);
   const auto rows = simulate_plan(study, truth, windows, params);
   fmt::print(
-      "study {}: {} simulated studies for each number, rule {}, slope {} levels, lapse rate {}, seed {}\n{}",
-      study.name, params.studies, format_rule(params.rule), params.slope, truth.lapse_rate, params.seed,
-      format_plan(rows, find_true_width(study, truth)));
+      "study {}: {} simulated {} for each number, rule {}, slope {} levels, lapse rate {}, seed {}\n{}",
+      study.name, params.studies, choose_form(params.studies, "study", "studies"), format_rule(params.rule),
+      params.slope, truth.lapse_rate, params.seed, format_plan(rows, find_true_width(study, truth)));
   if (out.empty()) return kExitOk;
   write_plan(rows, make_plan_json(study, truth, windows, params, rows), out);
   fmt::print("wrote plan.csv, plan.csv-metadata.json, plan.json, plan.svg and plan.pdf to {}\n",

@@ -11,7 +11,7 @@ std::optional<std::array<Count, 2>> count_by_view(const ExperimentEvidence& evid
   std::unordered_map<std::int64_t, const std::vector<std::uint8_t>*> combos;
   for (const SessionSummary& summary : evidence.summaries) {
     if (!summary.complete) continue;
-    if (summary.answered != std::ssize(summary.combos)) return std::nullopt;
+    if (summary.answered > 0 && summary.combos.empty()) return std::nullopt;
     combos[summary.session] = &summary.combos;
   }
   std::unordered_map<std::int64_t, std::size_t> read;
@@ -27,9 +27,9 @@ std::optional<std::array<Count, 2>> count_by_view(const ExperimentEvidence& evid
       of_session = found->second;
       next = &read[answer.session];
     }
-    const std::size_t place = (*next)++;
-    EQ_CHECK(place < of_session->size(), place, answer.session);
-    Count& count = counts.at((*of_session)[place] >> 1);
+    while (*next < of_session->size() && (*of_session)[*next] >= kUnansweredCombo) ++*next;
+    EQ_CHECK(*next < of_session->size(), *next, answer.session);
+    Count& count = counts.at((*of_session)[(*next)++] >> 1);
     ++count.n;
     count.k += answer.correct ? 1 : 0;
   }

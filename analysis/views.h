@@ -9,7 +9,7 @@
 namespace equilux {
 
 /// Correct answers of the finished sessions by the view of the test picture, v0 and v1; empty without
-/// answers, where the view of any is not known, and where a trial of a finished session has none.
+/// answers, and where the view of any is not known.
 std::optional<std::array<Count, 2>> count_by_view(const ExperimentEvidence& evidence);
 
 }  // namespace equilux

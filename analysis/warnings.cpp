@@ -8,6 +8,7 @@
 
 #include "analysis/evidence.h"
 #include "analysis/prompts.h"
+#include "analysis/words.h"
 
 namespace equilux {
 namespace {
@@ -21,21 +22,21 @@ std::set<std::string> digests_of(const std::vector<SessionRow>& sessions,
   return digests;
 }
 
-void warn_of_digests(Warnings& warnings, const Evidence& evidence, Experiment experiment,
 // A session of schema 1 did not record its protocol: it agrees with any.
 bool is_unknown(const SessionDigests& digests, std::string SessionDigests::*member) {
   return member == &SessionDigests::protocol && digests.protocol.empty();
 }
 
+void warn_of_digests(Warnings& warnings, const Evidence& evidence, Experiment experiment,
                      std::string SessionDigests::*member, const std::string& now, const std::string& what) {
   const auto& sessions = evidence.of(experiment).finished;
   const auto others = std::count_if(sessions.begin(), sessions.end(), [&](const SessionRow& row) {
     return row.digests.*member != now && !is_unknown(row.digests, member);
   });
   if (others == 0) return;
-  warnings.push_back(fmt::format("Of {} {} sessions {} used {} other than the one in the folder now ({}...).",
-                                 sessions.size(), format_experiment(experiment), others, what,
-                                 now.substr(0, 12)));
+  warnings.push_back(fmt::format("Of {} {} used {} other than the one in the folder now ({}...).",
+                                 format_count(sessions.size(), format_experiment(experiment) + " session"),
+                                 others, what, now.substr(0, 12)));
 }
 
 void warn_of_selection(Warnings& warnings, const Evidence& evidence,
@@ -84,17 +85,20 @@ void warn_of_left_out(Warnings& warnings, const ExperimentEvidence& evidence, Ex
   std::int64_t answered = 0;
   for (const SessionSummary& summary : evidence.summaries)
     answered += summary.complete ? 0 : summary.answered;
-  const std::int64_t ended = count_ended_early(evidence);
+  const std::int64_t ended = count_ended_early(evidence), left_out = evidence.unfinished;
   warnings.push_back(fmt::format(
-      "{} {} sessions were not finished ({} ended early by the experimenter, {} left unfinished): "
-      "their {} answers are left out.",
-      evidence.unfinished, format_experiment(experiment), ended, evidence.unfinished - ended, answered));
+      "{} {} not finished ({} ended early by the experimenter, {} left unfinished): {} {} {} left out.",
+      format_count(left_out, format_experiment(experiment) + " session"),
+      choose_form(left_out, "was", "were"), ended, left_out - ended, choose_form(left_out, "its", "their"),
+      format_count(answered, "answer"), choose_form(answered, "is", "are")));
 }
 
 void warn_of_unanswered(Warnings& warnings, const ExperimentEvidence& evidence, Experiment experiment) {
   if (evidence.unanswered == 0) return;
-  warnings.push_back(fmt::format("{} trials of finished {} sessions have no answer: they are left out.",
-                                 evidence.unanswered, format_experiment(experiment)));
+  const std::int64_t count = evidence.unanswered;
+  warnings.push_back(fmt::format("{} of finished {} sessions {} no answer: {} left out.",
+                                 format_count(count, "trial"), format_experiment(experiment),
+                                 choose_form(count, "has", "have"), choose_form(count, "it is", "they are")));
 }
 
 void warn_of_others(Warnings& warnings, const Report& report) {
@@ -114,25 +118,37 @@ void warn_of_withdrawn(Warnings& warnings, const Report& report) {
 void warn_of_protocols(Warnings& warnings, const Report& report) {
   std::set<std::string> protocols = digests_of(report.evidence.artifact.finished, &SessionDigests::protocol);
   protocols.merge(digests_of(report.evidence.material.finished, &SessionDigests::protocol));
+  protocols.erase("");
   if (protocols.size() < 2) return;
   warnings.push_back(
       fmt::format("The sessions followed {} session protocols: their practice, breaks, least times or catch "
                   "trials differ.",
-  protocols.erase("");
                   protocols.size()));
 }
 
+// "3 of 7 sessions (by 4 at most)"
+std::string describe_spread(const Spread& spread, const std::string& thing) {
+  const std::size_t end = thing.find(' ');
+  return fmt::format("{} of {}{} (by {} at most)", spread.over,
+                     format_count(spread.measured, thing.substr(0, end)),
+                     end == std::string::npos ? "" : thing.substr(end), spread.largest);
+}
+
 void warn_of_balance(Warnings& warnings, const Balance& balance, Experiment experiment) {
-  const Spread &sessions = balance.sessions, &cells = balance.cells;
-  if (sessions.over == 0 && cells.over == 0) return;
+  const bool in_sessions = balance.sessions.over > 0, in_cells = balance.cells.over > 0;
+  if (!in_sessions && !in_cells) return;
+  std::vector<std::string> places;
+  if (in_sessions) places.push_back("in " + describe_spread(balance.sessions, "session"));
+  if (in_cells)
+    places.push_back((in_sessions ? "of " : "in ") + describe_spread(balance.cells, "cell over sessions"));
   warnings.push_back(fmt::format(
       "Sides and views of the test pictures of the {} experiment are less balanced than the rule has them: "
-      "counts of the four combinations differ by more than {} in {} of {} sessions (by {} at most), and of "
-      "{} "
-      "of {} cells over sessions (by {} at most). Subjects left out, and logs added up, leave such gaps in "
-      "cells; in a session nothing should.",
-      format_experiment(experiment), kBalanceAllows, sessions.over, sessions.measured, sessions.largest,
-      cells.over, cells.measured, cells.largest));
+      "counts of the four combinations differ by more than {} {}. {}.",
+      format_experiment(experiment), kBalanceAllows, fmt::join(places, ", and "),
+      !in_cells      ? "In a session nothing should leave such gaps"
+      : !in_sessions ? "Subjects left out, and logs added up, leave such gaps in cells"
+                     : "Subjects left out, and logs added up, leave such gaps in cells; in a session nothing "
+                       "should"));
 }
 
 void warn_of_languages(Warnings& warnings, const Report& report) {
@@ -147,6 +163,57 @@ void warn_of_languages(Warnings& warnings, const Report& report) {
   warnings.push_back(
       fmt::format("The finished sessions were held in {} languages ({}): subjects read different questions.",
                   languages.size(), fmt::join(parts, ", ")));
+}
+
+std::string list_first(const std::vector<std::string>& names) {
+  constexpr std::size_t kListed = 5;
+  const auto shown = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kListed));
+  const std::string list = fmt::format("{}", fmt::join(names.begin(), shown, ", "));
+  return names.size() > kListed ? fmt::format("{} and {} more", list, names.size() - kListed) : list;
+}
+
+// Codes that finished an experiment more than once, with their sessions.
+struct Repeaters {
+  std::vector<std::string> names;
+  std::size_t codes = 0;       // of all sessions
+  bool is_of_one_log = false;  // one of them within a log
+};
+
+Repeaters find_repeaters(const ExperimentEvidence& evidence) {
+  std::map<std::string, std::size_t> finished;
+  for (const SessionRow& row : evidence.finished) ++finished[row.participant];
+  finished.erase("");
+  std::set<std::pair<std::string, std::string>> seen;
+  Repeaters repeaters;
+  for (const SessionSummary& summary : evidence.summaries) {
+    if (!summary.complete || !finished.contains(summary.participant)) continue;
+    repeaters.is_of_one_log |= !seen.emplace(summary.participant, summary.folder).second;
+  }
+  repeaters.codes = finished.size();
+  for (const auto& [participant, count] : finished) {
+    if (count > 1) repeaters.names.push_back(fmt::format("{} ({} times)", participant, count));
+  }
+  return repeaters;
+}
+
+// In one log nobody finishes an experiment twice, unless logs were merged into it.
+void warn_of_repeaters(Warnings& warnings, const ExperimentEvidence& evidence, Experiment experiment,
+                       SubjectKind kind) {
+  const Repeaters repeaters = find_repeaters(evidence);
+  if (repeaters.names.empty()) return;
+  warnings.push_back(fmt::format(
+      "{} finished the {} experiment more than once, {}: {}. The {} sessions are of {}. "
+      "One subject each are the sessions of a code for what draws subjects again or leaves them out: ranges "
+      "of cuts, resampled EE, intervals of trends, verdicts turned by one, the order effect. Each session "
+      "counts as another subject in k and n, and so in flags, cuts, verdicts, intervals of cells "
+      "(Clopper-Pearson, Jeffreys), p, q, posteriors and what is supported: if a code is one {}, those are "
+      "too "
+      "sure of themselves.",
+      kind == SubjectKind::kPerson ? "Participants" : "Simulated subjects of one code",
+      format_experiment(experiment),
+      repeaters.is_of_one_log ? "as a log merged from several may have it" : "in different logs",
+      list_first(repeaters.names), evidence.finished.size(), format_count(repeaters.codes, "code"),
+      kind == SubjectKind::kPerson ? "person" : "subject"));
 }
 
 // Within a language, so that a translation is no other question.
@@ -187,6 +254,13 @@ std::vector<std::string> find_source_warnings(const Study& study, const Evidence
   return warnings;
 }
 
+std::vector<std::string> find_repeater_warnings(const Evidence& evidence) {
+  Warnings warnings;
+  warn_of_repeaters(warnings, evidence.artifact, Experiment::kArtifact, evidence.kind);
+  warn_of_repeaters(warnings, evidence.material, Experiment::kMaterial, evidence.kind);
+  return warnings;
+}
+
 std::vector<std::string> find_answer_warnings(const Report& report) {
   Warnings warnings;
   warn_of_uneven_cells(warnings, report.artifact, Experiment::kArtifact);
@@ -201,9 +275,9 @@ std::vector<std::string> find_answer_warnings(const Report& report) {
   warn_of_withdrawn(warnings, report);
   warn_of_protocols(warnings, report);
   warn_of_languages(warnings, report);
+  warn_of_questions(warnings, report.evidence.artifact, Experiment::kArtifact);
+  warn_of_questions(warnings, report.evidence.material, Experiment::kMaterial);
   return warnings;
 }
 
 }  // namespace equilux
-  warn_of_questions(warnings, report.evidence.artifact, Experiment::kArtifact);
-  warn_of_questions(warnings, report.evidence.material, Experiment::kMaterial);

@@ -156,7 +156,7 @@ TEST_F(Folders, name_finished_sessions_of_other_kinds) {
   }
   const std::string told = "Finished sessions of other kinds are not counted here: {} of the kind person.";
   EXPECT_THAT(load({"a"})[0].warnings,
-              testing::Contains(fmt::format(fmt::runtime(told), "1 material sessions")));
+              testing::Contains(fmt::format(fmt::runtime(told), "1 material session")));
   EXPECT_THAT(load({"a", "b"})[0].warnings,
               testing::Contains(fmt::format(fmt::runtime(told), "2 material sessions")));
 }
@@ -197,6 +197,17 @@ TEST_F(Folders, of_which_one_has_a_session_unfinished_that_another_has_finished_
               }),
               testing::MatchesRegex(".*/b: session 3 of P2: expected each session in one log: .*, "
                                     "got one that .*/a has too"));
+}
+
+// Two logs merged: both have a session of the code.
+TEST_F(Folders, of_one_log_with_two_sessions_of_a_code_do_not_speak_of_different_logs) {
+  RawDatabase(StudyFolder{temporary_ / "a"}.responses())
+      .query("UPDATE session SET participant = (SELECT participant FROM session WHERE id = 1) WHERE id = 2");
+  const auto warnings = load({"a"})[0].warnings;
+  EXPECT_THAT(warnings, testing::Contains(testing::HasSubstr(
+                            "more than once, as a log merged from several may have it: P0 (2 times). The 12 "
+                            "sessions are of 11 codes.")));
+  EXPECT_THAT(warnings, testing::Not(testing::Contains(testing::HasSubstr("in different logs"))));
 }
 
 TEST_F(Folders, with_answers_that_the_study_does_not_allow_name_log_and_session) {
@@ -307,7 +318,7 @@ TEST_F(Folders, of_a_pool_of_which_one_has_no_finished_session_count_the_others)
   EXPECT_EQ(report.artifact_subjects.sessions.size(), 13U);
   EXPECT_THAT(report.warnings, testing::Contains(testing::HasSubstr(
                                    "c: No artifact session of the kind planted is finished here: 1 "
-                                   "unfinished ones, none to count.")));
+                                   "unfinished one, none to count.")));
 }
 
 // A log whose sessions recorded other pictures than those of folder a.
@@ -343,8 +354,8 @@ TEST_F(Folders, with_a_session_that_was_aborted_leave_it_out_and_say_so) {
   const auto& warnings = reports[0].warnings;
   EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
     return warning ==
-           "1 artifact sessions were not finished (0 ended early by the experimenter, 1 left "
-           "unfinished): their 1 answers are left out.";
+           "1 artifact session was not finished (0 ended early by the experimenter, 1 left "
+           "unfinished): its 1 answer is left out.";
   }));
   EXPECT_NE(format_page(reports).find("not finished, left out"), std::string::npos);
 }

@@ -17,12 +17,12 @@ TEST(Report, says_of_what_was_never_tested_for_artifacts_that_it_is_taken_for_gr
   const std::string beyond =
       format_page({make_planted_report(answer_column({{1, 12}, {2, 12}, {3, 12}, {4, 12}}, material))});
   EXPECT_TRUE(has(beyond, "in both experiments, 0 have a verdict"));
-  EXPECT_TRUE(has(beyond, "(1 more would, but stand on levels alone that were never tested for artifacts"));
+  EXPECT_TRUE(has(beyond, "(1 more would, but stands on levels alone that were never tested for artifacts"));
   EXPECT_TRUE(has(beyond, "&ge; C5 <span class=\"note\">censored_high</span>"));
   EXPECT_FALSE(has(beyond, "it grants only"));
   const std::string within =
       format_page({make_planted_report(answer_column({{3, 12}, {4, 12}, {5, 1}, {6, 1}}, material))});
-  EXPECT_TRUE(has(within, "in both experiments, 1 have a verdict"));
+  EXPECT_TRUE(has(within, "in both experiments, 1 has a verdict"));
   EXPECT_FALSE(has(within, "never tested for artifacts, of which"));
   EXPECT_TRUE(has(within, "<td>C5</td>"));
   const std::string free =
@@ -53,10 +53,10 @@ TEST(Report, takes_nothing_for_granted_below_the_least_clamped_level) {
         answer_column({{first, 0}, {first + 1, 0}, {first + 2, 0}, {first + 3, 0}}, material))});
   };
   const std::string at_end = page(0), beyond = page(1);
-  EXPECT_TRUE(has(at_end, "of two or more subjects in both experiments, 1 have a verdict"));
+  EXPECT_TRUE(has(at_end, "of two or more subjects in both experiments, 1 has a verdict"));
   EXPECT_FALSE(has(at_end, "<td>C0 <span class=\"note\">censored_low"));
   EXPECT_TRUE(has(beyond, "of two or more subjects in both experiments, 0 have a verdict"));
-  EXPECT_TRUE(has(beyond, "(1 more would, but stand on levels alone that were never tested"));
+  EXPECT_TRUE(has(beyond, "(1 more would, but stands on levels alone that were never tested"));
   EXPECT_TRUE(has(at_end, "resamples and does not stand on untested levels alone, are 1 of 1 verdicts"));
 }
 
@@ -73,7 +73,7 @@ TEST(Report, says_of_one_subject_that_nothing_was_resampled) {
     std::erase_if(*answers, [](const AnswerRow& answer) { return answer.subject_index > 0; });
   const std::string page = format_page({make_planted_report(planted)});
   EXPECT_TRUE(has(page,
-                  "No column has answers of two or more subjects in both experiments. In 1 columns an "
+                  "No column has answers of two or more subjects in both experiments. In 1 column an "
                   "experiment has one subject alone: nothing was resampled there"));
   EXPECT_FALSE(has(page, "Of 0 columns"));
 }

@@ -3,6 +3,8 @@
 
 #include "analysis/page_sections.h"
 #include "analysis/plan.h"
+#include "analysis/views.h"
+#include "analysis/warnings.h"
 #include "tests/analysis/planted_report.h"
 
 namespace equilux::tests {
@@ -75,6 +77,82 @@ TEST(PageWords, plant_no_equivalence_at_a_level_that_the_study_does_not_have) {
   for (auto& [column, truth] : sources.truth->by_column) truth = {4, 6};
   EXPECT_EQ(find_true_width(planted.study, *sources.truth), 1);
   EXPECT_TRUE(has(recover(), "<td>+</td>")) << recover();
+}
+
+Report report_balance(const Spread& sessions, const Spread& cells) {
+  Report report;
+  report.artifact_balance = {sessions, cells, 1};
+  return report;
+}
+
+TEST(PageWords, of_balance_name_only_what_breaks_the_rule) {
+  const auto warn = [](const Spread& sessions, const Spread& cells) {
+    const auto warnings = find_answer_warnings(report_balance(sessions, cells));
+    return warnings.empty() ? "" : warnings.front();
+  };
+  const Spread well{7, 1, 0}, ill{7, 4, 3};
+  EXPECT_EQ(warn(well, well), "");
+  EXPECT_TRUE(
+      has(warn(ill, ill),
+          "differ by more than 1 in 3 of 7 sessions (by 4 at most), and of 3 of 7 cells over sessions "
+          "(by 4 at most). Subjects left out, and logs added up, leave such gaps in cells; in a "
+          "session nothing should."))
+      << warn(ill, ill);
+  EXPECT_TRUE(
+      has(warn(well, ill), "differ by more than 1 in 3 of 7 cells over sessions (by 4 at most). Subj"))
+      << warn(well, ill);
+  EXPECT_FALSE(has(warn(well, ill), "of 7 sessions (")) << warn(well, ill);
+  EXPECT_TRUE(has(warn(ill, well), "in 3 of 7 sessions (by 4 at most). In a session nothing"))
+      << warn(ill, well);
+  EXPECT_FALSE(has(warn(ill, well), "cells")) << warn(ill, well);
+}
+
+TEST(PageWords, speak_of_one_session_in_the_singular) {
+  Report report;
+  report.evidence.artifact.unfinished = 1;
+  report.evidence.artifact.unanswered = 1;
+  report.evidence.artifact.summaries.resize(1);
+  report.evidence.artifact.summaries[0].answered = 1;
+  EXPECT_EQ(find_answer_warnings(report),
+            (std::vector<std::string>{
+                "1 artifact session was not finished (0 ended early by the experimenter, 1 left unfinished): "
+                "its 1 answer is left out.",
+                "1 trial of finished artifact sessions has no answer: it is left out."}));
+  report.artifact_subjects.sessions.resize(1);
+  report.artifact_subjects.sessions[0].marks = {SubjectMark::kFast};
+  report.artifact_subjects.order.subjects = 1;
+  const std::string page = format_subjects(report);
+  for (const char* told : {"1 marked session counts all the same. Without it no", "Each of the 1 session<",
+                           "artifact: 1 subject with answers in both halves of a finished session, too few",
+                           "material: 0 subjects with answers in both halves"})
+    EXPECT_TRUE(has(page, told)) << told << page;
+}
+
+TEST(PageWords, of_a_small_p_have_one_sign) {
+  Report report;
+  report.artifact_subjects.order = {20, 0.2, Interval{0.1, 0.3}, 0.00001, {}};
+  EXPECT_TRUE(has(format_subjects(report), ", p&nbsp;&lt; 0.0001 by sign")) << format_subjects(report);
+  report.artifact_subjects.order.p = 0.25;
+  EXPECT_TRUE(has(format_subjects(report), ", p&nbsp;=&nbsp;0.2500 by sign")) << format_subjects(report);
+}
+
+// Of the second trial nobody has an answer; the views of the others are known all the same.
+TEST(PageWords, of_views_count_the_trials_that_were_answered) {
+  ExperimentEvidence evidence;
+  const Column column = enumerate_columns(load_protocol("pocket")).front();
+  evidence.answers = {{1, 0, {column, 4, false}, true}, {1, 0, {column, 6, false}, false}};
+  SessionSummary summary;
+  summary.session = 1;
+  summary.complete = true;
+  summary.answered = 2;
+  summary.combos = {0, 2 + kUnansweredCombo, 3};
+  evidence.summaries = {summary};
+  const auto views = count_by_view(evidence);
+  ASSERT_TRUE(views);
+  EXPECT_EQ((*views)[0], (Count{1, 1}));
+  EXPECT_EQ((*views)[1], (Count{0, 1}));
+  evidence.summaries[0].combos.clear();
+  EXPECT_FALSE(count_by_view(evidence));
 }
 
 }  // namespace

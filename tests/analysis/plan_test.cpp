@@ -133,5 +133,23 @@ TEST(Plan, is_written_with_all_that_it_depends_on_and_a_dictionary) {
     EXPECT_NE(metadata.find("\"" + column + "\""), std::string::npos) << column;
 }
 
+// gnuplot draws no range that is empty, and says so in the user's terminal.
+TEST(Plan, of_one_number_of_subjects_or_without_green_levels_is_drawn_without_a_warning) {
+  const Study study = load_protocol("pocket");
+  const Truth truth = load_truth(study.truth_path, study);
+  const Windows windows = load_windows(study.windows_path, study);
+  const SubjectPlanParams params{{12}, 2, 0.5, 1, Rule::kPaper};
+  auto rows = simulate_plan(study, truth, windows, params);
+  const TempFolder folder;
+  const auto write = [&] {
+    testing::internal::CaptureStderr();
+    write_plan(rows, make_plan_json(study, truth, windows, params, rows), folder.path());
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(write(), "");
+  rows.front().green_width = rows.front().supported = {};
+  EXPECT_EQ(write(), "");
+}
+
 }  // namespace
 }  // namespace equilux::tests

@@ -101,7 +101,7 @@ TEST(PoolWarnings, name_the_folders_whose_pictures_or_windows_differ) {
   other.manifest->pictures["G0-MS-ind-1k-C4-v0"].digest = "cccc";
   EXPECT_EQ(warnings(), std::vector<std::string>{
                             "Answers about different pictures are added up: of 2 pictures that a and b both "
-                            "have, 1 differ, the first G0-MS-ind-1k-C4-v0."});
+                            "have, 1 differs, the first G0-MS-ind-1k-C4-v0."});
   other.manifest.reset();
   EXPECT_TRUE(warnings().empty());
   for (SessionRow& row : theirs.artifact.finished) row.digests.manifest = std::string(64, 'd');

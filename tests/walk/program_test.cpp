@@ -339,7 +339,7 @@ TEST(Analyze, RefusesPicturesThatDoNotVerifyUnlessItMaySaySo) {
   expect_input_error("session", {"simulate", root, "--experiment", "artifact", "--seed", "2"},
                      "expected pictures that verify, got G0-MS-ind-1k-C7-v0: ");
   EXPECT_THAT(run_well("analyze", {"report", root, "--no-verify"}),
-              HasSubstr("warning: Of the pictures 1 do not verify, the first G0-MS-ind-1k-C7-v0"));
+              HasSubstr("warning: Of the pictures 1 does not verify, the first G0-MS-ind-1k-C7-v0"));
   const std::string out = (temporary.path() / "chosen.json").string();
   for (const Words& words :
        {Words{"prune", root, "--kind", "planted"}, Words{"windows", root, "--out", out}}) {
