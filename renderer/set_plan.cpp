@@ -15,8 +15,8 @@ namespace {
 constexpr int kFiniteLevels = kClampLevelCount - 1;
 
 // Costs in units of a path, measured in the café: a VPL with its share of the tree, and a cluster of a cut
-// with the rays that roulette leaves of it. `bench_sets` makes these numbers and those below
-// (docs/references.md).
+// with the rays that roulette leaves of it. `bench_sets` (tests/bench/sets.cpp) measures these and the
+// numbers below anew.
 constexpr double kVplCost = 0.7, kClusterCost = 0.07;
 
 // How what small sets show goes on: sizes of cuts over the number of VPLs and the ratio, and what
