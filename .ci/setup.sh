@@ -7,8 +7,9 @@ packages_build=(cmake ninja-build g++ pkg-config
   libfmt-dev libcli11-dev nlohmann-json3-dev libvalijson-dev
   gnuplot-nox libglfw3-dev libimgui-dev libgl-dev libx11-dev libgl1-mesa-dri fonts-dejavu-core)
 # What the tests need beside it.
-packages_test=(libgtest-dev libgmock-dev libxtst-dev xvfb clang-format git munge openimageio-tools pfstmo python3 slurm-wlm
-  r-base-core r-cran-lme4 r-cran-psyphy chromium poppler-utils)
+packages_test=(libgtest-dev libgmock-dev libxtst-dev xvfb xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils
+  clang-format git munge openimageio-tools pfstmo python3 slurm-wlm r-base-core r-cran-lme4
+  r-cran-psyphy chromium poppler-utils)
 
 say() { printf '\n== %s\n' "$*"; }
 

@@ -46,6 +46,8 @@ const std::vector<ColumnNote>& field_notes() {
       {"consent_version", "text", "", "", "of the consent that was given, by session.json"},
       {"content_scale", "real", "", "",
        "enlargement that the system asks programs for; pictures are not enlarged"},
+      {"gamma_curve", "text", "", "",
+       "of a changed ramp: output at nine inputs from 0 to 1 in equal steps, shares, red; green; blue"},
       {"gamma_ramp",
        "level",
        "",

@@ -84,6 +84,10 @@ std::map<std::string, std::string> find_fields(const Intake& intake, const Sessi
   return fields;
 }
 
+bool has_digit(const std::string& code) {
+  return std::any_of(code.begin(), code.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
 std::string draw_code(const std::vector<std::string>& taken) {
   std::random_device entropy;
   std::uniform_int_distribution<std::size_t> letter(0, kCodeLetters.size() - 1);
@@ -91,7 +95,7 @@ std::string draw_code(const std::vector<std::string>& taken) {
   do {
     code.clear();
     while (code.size() < kCodeLength) code += kCodeLetters[letter(entropy)];
-  } while (std::find(taken.begin(), taken.end(), code) != taken.end());
+  } while (!has_digit(code) || std::find(taken.begin(), taken.end(), code) != taken.end());
   return code;
 }
 

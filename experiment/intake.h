@@ -39,6 +39,9 @@ void submit_answers(Intake& intake, const SessionProtocol& protocol);
 /// one.
 std::map<std::string, std::string> find_fields(const Intake& intake, const SessionProtocol& protocol);
 
+/// Which no name has.
+bool has_digit(const std::string& code);
+
 /// A new participant's code: six letters and digits that are not mistaken for each other, never one of
 /// `taken`. From the system's entropy, so that it tells nothing of anybody.
 std::string draw_code(const std::vector<std::string>& taken);

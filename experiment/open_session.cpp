@@ -335,11 +335,12 @@ void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& eff
 void check_code(const std::string& code, const std::string& source) {
   constexpr std::size_t kLongest = 64;
   const auto may_be = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_' || c == '.'; };
-  if (!code.empty() && code.size() <= kLongest && std::all_of(code.begin(), code.end(), may_be)) return;
-  throw InputError(
-      source, "participant",
-      fmt::format("a code of letters from a to z, digits, -, _ and ., at most {}, and no name", kLongest),
-      "\"" + code + "\"");
+  if (has_digit(code) && code.size() <= kLongest && std::all_of(code.begin(), code.end(), may_be)) return;
+  throw InputError(source, "participant",
+                   fmt::format("a code and no name: a digit or more beside letters from a to z, -, _ and ., "
+                               "at most {} of them",
+                               kLongest),
+                   "\"" + code + "\"");
 }
 
 std::string format_lane(const Lane& lane) { return fmt::format("{}/{}", lane.first + 1, lane.step); }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "renderer/room_format.h"
 
 namespace equilux {
@@ -335,10 +336,10 @@ FamilyLayers trace_by_paths(const FamilyScene& scene, const PathMaps& maps, Trac
   return join_layers(std::move(layers), count_object(scene.primary, maps));
 }
 
-// What was foreseen can be missed: then all of it is thrown away and made again, from other random numbers,
-// to a target that is so much tighter. A bias of second order: what is kept met the target by its own
-// estimate of error, which bright rare paths raise, so that where misses are frequent these are kept more
-// seldom.
+// What was foreseen can be missed. Of the object another rendering is then added, from other random numbers;
+// the room is thrown away and made again, with so many more. A bias of second order: what stays as it is met
+// the target by its own estimate of error, which bright rare paths raise; where another is added they lose
+// some of their weight.
 constexpr int kMostTurns = 4;
 constexpr double kTurnMargin = 1.1;
 // The room's mean error is known from many pixels.
@@ -367,6 +368,67 @@ void exchange_room(FamilyLayers& layers, const TracedLayer& before, const Traced
     layers.standard_error.values[i] =
         static_cast<float>(std::sqrt(std::max(0.0, all * all - old * old) + now * now));
   }
+}
+
+// A target for a rendering to be added, over the whole's, and its weight, such that the mean of both errs by
+// as much less than the target as the margin says: weights go by one over variance, as far as it is foreseen.
+struct Addition {
+  double target = 1, share = 1;
+};
+
+Addition find_addition(double miss) {
+  const double wanted = kTurnMargin * kTurnMargin, more = wanted - 1 / (miss * miss);
+  return {1 / std::sqrt(more), more / wanted};
+}
+
+float mix(float first, float second, double share) {
+  return static_cast<float>((1 - share) * first + share * second);
+}
+
+void mix_images(HdrImage& image, const HdrImage& other, double share) {
+  for (std::size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = mix(image.values[i], other.values[i], share);
+}
+
+double find_mixed_error(double first, double second, double share) {
+  return std::hypot((1 - share) * first, share * second);
+}
+
+void mix_light(RegionLight& light, const RegionLight& other, double share) {
+  light.mean += share * (other.mean - light.mean);
+  light.standard_error = find_mixed_error(light.standard_error, other.standard_error, share);
+}
+
+// Their regions are the same, since the pilots see the same pixels.
+void mix_regions(std::vector<RegionCheck>& regions, const std::vector<RegionCheck>& others, double share) {
+  EQ_CHECK(regions.size() == others.size(), regions.size(), others.size());
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    mix_light(regions[i].light, others[i].light, share);
+    mix_light(regions[i].traced, others[i].traced, share);
+  }
+}
+
+// Each errs by itself, but for the room, which both have.
+void mix_standard_errors(HdrImage& image, const HdrImage& other, const HdrImage& room, double share) {
+  const auto of_object = [](double all, double room_alone) {
+    return std::sqrt(std::max(0.0, all * all - room_alone * room_alone));
+  };
+  for (std::size_t i = 0; i < image.values.size(); ++i) {
+    const double beside = room.values[i];
+    const double object =
+        find_mixed_error(of_object(image.values[i], beside), of_object(other.values[i], beside), share);
+    image.values[i] = static_cast<float>(std::hypot(object, beside));
+  }
+}
+
+// An independent rendering beside the same room.
+void add_turn(FamilyLayers& layers, FamilyLayers other, const TracedLayer& room, double share) {
+  mix_images(layers.direct, other.direct, share);
+  mix_images(layers.indirect, other.indirect, share);
+  mix_standard_errors(layers.standard_error, other.standard_error, room.standard_error, share);
+  if (layers.sets && other.sets) mix_regions(layers.sets->regions, other.sets->regions, share);
+  layers.paths += other.paths;
+  layers.added.push_back({share, other.paths, std::move(other.sets)});
 }
 
 void scale_map(PathMap& map, double scale, std::uint32_t most) {
@@ -435,7 +497,6 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
   if (params.fixed) return layers;
   Background room = background;
   double room_scale = 1;
-  ReferenceParams tighter = params;
   for (int turn = 1; turn < kMostTurns; ++turn) {
     const Miss miss = find_miss(layers, make_coverage(scene.primary), params);
     if (miss.object <= 1 && miss.room <= 1) break;
@@ -449,16 +510,15 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
       ++layers.room_turns;
     }
     if (miss.object > 1) {
-      tighter.target.object_mean /= kTurnMargin * miss.object;
-      tighter.target.object_p99 /= kTurnMargin * miss.object;
-      tighter.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
-      progress.expect_more(estimate_object_paths(tighter, scene.primary));
-      const int room_turns = layers.room_turns;
-      layers = trace_once(scene, plan, room.layer, tighter, progress);
-      layers.room_turns = room_turns;
+      const Addition addition = find_addition(miss.object);
+      ReferenceParams other = params;
+      other.target.object_mean *= addition.target;
+      other.target.object_p99 *= addition.target;
+      other.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
+      progress.expect_more(estimate_object_paths(other, scene.primary));
+      add_turn(layers, trace_once(scene, plan, room.layer, other, progress), room.layer, addition.share);
     }
     layers.room = room.sets;
-    layers.turns = turn + 1;
   }
   return layers;
 }

@@ -9,14 +9,22 @@
 
 namespace equilux {
 
+/// A rendering that was added to others, since these missed the target.
+struct AddedTurn {
+  double share = 0;  ///< of the whole when it was added
+  double paths = 0;
+  std::optional<SetMeasures> sets = {};
+};
+
 /// Layers of one family, premultiplied by coverage: they add up. standard_error is that of their sum.
 struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
   double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
-  std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation
+  std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation, first turn; its
+                                         ///< regions of all turns
   std::optional<SetMeasures> room = {};  ///< the same of the room
-  int room_turns = 1;                    ///< of the room alone
-  int turns = 1;                         ///< of them all but the last missed the target, and were thrown away
+  int room_turns = 1;                    ///< of the room alone: all but the last were thrown away
+  std::vector<AddedTurn> added = {};     ///< to the object's first turn
 };
 
 /// Of the room's random numbers, the same for every material of the object.
@@ -61,10 +69,9 @@ std::vector<Background> trace_planned_backgrounds(const RoomScene& scene, const 
 PathMaps allot_object(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
                       const FamilyProgress& progress);
 
-/// The object's layers, joined with the room's. Where the object's or the room's error misses the target
-/// these are thrown away and made again to a tighter one, a few times: so what is kept is unbiased but for
-/// that choice.
-/// errors: as trace_layers
+/// The object's layers, joined with the room's. Where the object's error misses the target an independent
+/// rendering of it is added, with the weight that their expected errors give it; a room that misses is made
+/// again. A few times; what comes of it is unbiased but for that choice. errors: as trace_layers
 FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, const Background& background,
                           const ReferenceParams& params, const FamilyProgress& progress);
 

@@ -6,9 +6,30 @@
 namespace equilux {
 namespace {
 
-void tell_sets(const SetMeasures& sets, Json& json) {
+void tell_plan(const SetMeasures& sets, Json& json) {
   json.set("clamp", format_clamp(sets.clamp_level)).set("sets", sets.sets).set("vpls", sets.mean_vpls);
   json.set("error_ratio", sets.error_ratio).set("cut_size", sets.mean_clusters);
+}
+
+void tell_method(const std::optional<SetMeasures>& sets, double paths, Json& json) {
+  json.set("method", sets ? "compensated" : "path");
+  json.set("paths", sets ? sets->compensation_paths : paths);
+}
+
+Json tell_added(const std::vector<AddedTurn>& added) {
+  Json turns{Json::Array{}};
+  for (const AddedTurn& turn : added) {
+    Json json;
+    tell_method(turn.sets, turn.paths, json);
+    json.set("share", turn.share);
+    if (turn.sets) tell_plan(*turn.sets, json);
+    turns.push(std::move(json));
+  }
+  return turns;
+}
+
+void tell_sets(const SetMeasures& sets, Json& json) {
+  tell_plan(sets, json);
   Json check{Json::Array{}};
   for (const RegionCheck& region : sets.regions) {
     Json row;
@@ -25,9 +46,11 @@ void tell_sets(const SetMeasures& sets, Json& json) {
 
 Json tell_reference(const FamilyLayers& layers) {
   Json json;
-  json.set("method", layers.sets ? "compensated" : "path");
-  json.set("paths", layers.sets ? layers.sets->compensation_paths : layers.paths);
-  json.set("turns", layers.turns);
+  double first_paths = layers.paths;
+  for (const AddedTurn& turn : layers.added) first_paths -= turn.paths;
+  tell_method(layers.sets, first_paths, json);
+  json.set("turns", static_cast<std::int64_t>(layers.added.size() + 1));
+  if (!layers.added.empty()) json.set("added", tell_added(layers.added));
   if (layers.sets) tell_sets(*layers.sets, json);
   return json;
 }

@@ -49,13 +49,13 @@ press F3; shoot summary
 press Return; sleep 1
 
 # Somebody declines.
-(cd "$work" && "$bin/equilux-session" run pocket --experiment artifact --participant decliner >/dev/null 2>&1) &
+(cd "$work" && "$bin/equilux-session" run pocket --experiment artifact --participant DECLIN3 >/dev/null 2>&1) &
 sleep 4
 press BackSpace; shoot declined
 press Return; sleep 1
 
 # A window that becomes another size, then closed; the session goes on, until its log cannot be written.
-resumed() { (cd "$work" && exec "$bin/equilux-session" run pocket --experiment artifact --participant RESUME >/dev/null 2>&1) & program=$!; sleep 4; }
+resumed() { (cd "$work" && exec "$bin/equilux-session" run pocket --experiment artifact --participant RESUM3 >/dev/null 2>&1) & program=$!; sleep 4; }
 resumed
 press Return; choose 274 441; choose 274 567; press Return space space space space space space space space space Right
 window=$(xdotool search --name Equilux | head -1)

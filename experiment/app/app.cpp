@@ -197,10 +197,10 @@ void print_outcome(const Workplace& work, const Seat& seat) {
 }
 
 // Empty if the window was closed, or the participant declined.
-std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, bool is_asked) {
+std::optional<Seat> come_in(AppWindow& window, Gui& gui, Workplace& work, Display& display, bool is_asked) {
   const bool is_age_doubtful = work.goes_on && work.clock_lag && work.inputs.kind == SubjectKind::kPerson;
   const bool asks_setup = is_asked || is_age_doubtful;
-  if (asks_setup && !ask_setup(window, gui, work)) return std::nullopt;
+  if (asks_setup && !ask_setup(window, gui, work, display)) return std::nullopt;
   work.is_set_up = work.request.accepts_clock = asks_setup;
   if (work.goes_on || work.inputs.kind != SubjectKind::kPerson) return take_seat(work, {});
   const Intake intake = ask_intake(window, gui, work);
@@ -243,7 +243,7 @@ int run_app(const AppParams& given) {
   AppParams params = given;
   if (params.participant == "new") params.participant = draw_free_code(params.study_folder);
   if (params.planted_seed && params.participant.empty()) params.participant = name_planted_subject(params);
-  const Display display(params.monitor);
+  Display display(params.monitor);
   const auto window = open_window(params, display);
   Gui gui(*window, static_cast<float>(params.text_scale));
   const bool is_asked = !is_complete(params);
@@ -252,7 +252,7 @@ int run_app(const AppParams& given) {
   if (!work) return kExitOk;
   std::optional<Seat> seat;
   try {
-    seat = come_in(*window, gui, *work, is_asked || params.asks_setup);
+    seat = come_in(*window, gui, *work, display, is_asked || params.asks_setup);
     if (!seat) return kExitOk;
     SessionWindow(*window, gui, *work, *seat, make_pilot(params, *work, *seat)).run();
   } catch (const std::exception& error) {

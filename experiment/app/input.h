@@ -29,6 +29,7 @@ enum class Key {
   kF2,
   kF3,
   kF4,
+  kF5,
   kBackspace,
   kUp,
   kDown,

@@ -2,8 +2,11 @@
 #include "experiment/app/intake_window.h"
 
 #include <deque>
+#include <fmt/format.h>
 #include <functional>
+#include <utility>
 
+#include "base/error.h"
 #include "experiment/app/screens.h"
 
 namespace equilux {
@@ -21,6 +24,7 @@ struct RunningPage {
   std::function<bool(const InputEvent&)> read;  ///< whether a key leaves it
   std::int64_t guard_ns = kPageGuardNs;
   bool needs_quiet = false;
+  std::function<void()> prepare = {};  ///< what is to be done to the window, between frames
 };
 
 // ImGui moves its frame to another control in the frame after the one that saw the key.
@@ -51,6 +55,7 @@ bool run_page(AppWindow& window, Gui& gui, const RunningPage& page) {
   while (!window.is_closing()) {
     const bool was_key = gui.has_events();
     if (draw_frames(window, gui, page, was_key ? kFramesToMove : 1)) return true;
+    if (page.prepare) page.prepare();
     window.wait(gui.has_events() || !waiting.empty() ? 0 : kPatienceS);
     for (const InputEvent& event : window.take_events()) {
       escape.read(event);
@@ -101,9 +106,21 @@ Intake ask_questions(AppWindow& window, Gui& gui, const Workplace& work, Intake 
   return intake;
 }
 
+void move_if_wanted(AppWindow& window, Workplace& work, Display& display, SetupForm& form) {
+  const std::string name = std::exchange(form.wanted_monitor, "");
+  if (name.empty() || name == work.facts.monitor) return;
+  try {
+    change_monitor(work, display, window, name);
+    forget_monitor(form);
+    form.error.clear();
+  } catch (const InputError& error) {
+    form.error = fmt::format("Monitor {} cannot be used. {}", name, error.what());
+  }
+}
+
 }  // namespace
 
-bool ask_setup(AppWindow& window, Gui& gui, Workplace& work) {
+bool ask_setup(AppWindow& window, Gui& gui, Workplace& work, Display& display) {
   SetupForm form = make_setup_form(work.setup_input.diagonal_m);
   const Size picture{work.manifest.width, work.manifest.height};
   const auto draw = [&] {
@@ -115,14 +132,18 @@ bool ask_setup(AppWindow& window, Gui& gui, Workplace& work) {
                          work.request.participant,
                          format_experiment(work.inputs.experiment),
                          work.goes_on_with,
-                         describe_clock(work)};
+                         describe_clock(work),
+                         display.list_monitor_names()};
     return draw_setup(gui, window.framebuffer(), view, form);
   };
   const auto read = [&](const InputEvent& event) {
     if (is_press(event, Key::kF3)) switch_card(form);
+    if (is_press(event, Key::kF5))
+      form.wanted_monitor = find_next_monitor(display.list_monitor_names(), work.facts.monitor);
     return is_press(event, Key::kEnter) && leave_setup(form);
   };
-  const bool is_left = run_page(window, gui, {draw, read});
+  const auto prepare = [&] { move_if_wanted(window, work, display, form); };
+  const bool is_left = run_page(window, gui, {draw, read, kPageGuardNs, false, prepare});
   set_up(work, read_setup_form(form));
   return is_left;
 }

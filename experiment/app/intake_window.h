@@ -8,8 +8,9 @@
 
 namespace equilux {
 
-/// Lets the experimenter tell the size of the screen and the distance. False if the window was closed.
-bool ask_setup(AppWindow& window, Gui& gui, Workplace& work);
+/// Lets the experimenter choose the monitor, and tell the size of the screen and the distance. False if the
+/// window was closed.
+bool ask_setup(AppWindow& window, Gui& gui, Workplace& work, Display& display);
 
 /// Consent and questions; the step it ends with is kDone or kDeclined, or an earlier one if the window was
 /// closed.

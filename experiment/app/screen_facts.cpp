@@ -24,8 +24,7 @@ std::string read_gl_string(GLenum name) {
   return text ? text : kNotKnown;
 }
 
-std::string describe_gamma_ramp(GLFWmonitor* monitor) {
-  const GLFWgammaramp* ramp = glfwGetGammaRamp(monitor);
+std::string describe_gamma_ramp(const GLFWgammaramp* ramp) {
   if (!ramp || ramp->size < 2) return kNotKnown;
   if (ramp->red[ramp->size - 1] == 0) return kNotKnown;  // a screen without one
   for (unsigned i = 0; i < ramp->size; ++i) {
@@ -35,6 +34,17 @@ std::string describe_gamma_ramp(GLFWmonitor* monitor) {
     }
   }
   return "identity";
+}
+
+// With its curve where it is not the identity.
+void read_gamma_ramp(GLFWmonitor* monitor, ScreenFacts& facts) {
+  const GLFWgammaramp* ramp = glfwGetGammaRamp(monitor);
+  facts.gamma_ramp = describe_gamma_ramp(ramp);
+  if (facts.gamma_ramp != "changed") return;
+  std::vector<std::vector<std::uint16_t>> channels;
+  for (const unsigned short* channel : {ramp->red, ramp->green, ramp->blue})
+    channels.emplace_back(channel, channel + ramp->size);
+  facts.gamma_curve = find_gamma_curve(channels);
 }
 
 std::string read_icc_profile(::Display* x) {
@@ -90,7 +100,7 @@ ScreenFacts read_screen_facts(const Display& display, AppWindow& window) {
   facts.content_scale = std::max(scale_x, scale_y);
   facts.gl_renderer = read_gl_string(GL_RENDERER);
   facts.gl_version = read_gl_string(GL_VERSION);
-  facts.gamma_ramp = describe_gamma_ramp(display.monitor());
+  read_gamma_ramp(display.monitor(), facts);
   facts.icc_profile = describe_icc_profile();
   facts.measured_hz = measure_refresh_hz(window);
   return facts;

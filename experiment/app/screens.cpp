@@ -88,6 +88,19 @@ std::string describe_setup(const SetupView& view) {
   return text;
 }
 
+// Nothing where there is no choice.
+void draw_monitors(const SetupView& view, SetupForm& form) {
+  if (find_next_monitor(view.monitors, view.facts->monitor).empty()) return;
+  ImGui::TextUnformatted("Everything is shown on (F5: on the next one)");
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
+  for (const std::string& name : view.monitors) {
+    if (ImGui::RadioButton(name.c_str(), name == view.facts->monitor)) form.wanted_monitor = name;
+    ImGui::SameLine(0, 40);
+  }
+  ImGui::NewLine();
+  ImGui::PopStyleVar();
+}
+
 std::string describe_degrees(const ViewingSetup& setup) {
   if (!setup.degrees) return "The size of a pixel is not known yet.";
   return fmt::format(
@@ -218,6 +231,19 @@ bool is_right(const SetupForm& form) {
   return errors.diagonal.empty() && errors.distance.empty();
 }
 
+std::string find_next_monitor(const std::vector<std::string>& names, const std::string& used) {
+  const auto found = std::find(names.begin(), names.end(), used);
+  if (found == names.end()) return names.empty() ? "" : names.front();
+  const std::string& next = std::next(found) == names.end() ? names.front() : *std::next(found);
+  return next == used ? "" : next;
+}
+
+void forget_monitor(SetupForm& form) {
+  form.diagonal_inches.fill('\0');
+  form.card_px = 0;
+  form.was_card_matched = false;
+}
+
 void switch_card(SetupForm& form) {
   constexpr int kFirstPx = 320;
   form.card_px = form.card_px > 0 ? 0 : kFirstPx;
@@ -242,6 +268,8 @@ bool draw_setup(Gui& gui, Size framebuffer, const SetupView& view, SetupForm& fo
                        view.goes_on_with.empty() ? "A new session." : view.goes_on_with));
   if (!view.clock.empty()) page.warn(view.clock);
   page.say(describe_setup(view));
+  draw_monitors(view, form);
+  if (!form.error.empty()) page.warn(form.error);
   const SetupErrors errors = find_errors(form);
   const bool takes_focus = std::exchange(form.takes_focus, false);
   draw_field("Diagonal of the visible screen, in inches", form.diagonal_inches.data(),

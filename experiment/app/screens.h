@@ -42,9 +42,11 @@ bool draw_start(Gui& gui, Size framebuffer, StartForm& form);
 struct SetupForm {
   std::array<char, 16> diagonal_inches{};
   std::array<char, 16> distance_cm{};
-  int card_px = 0;                ///< of the bar; 0: none is shown
-  bool was_card_matched = false;  ///< the bar was changed: until then it says nothing of this screen
-  bool takes_focus = false;       ///< the next frame puts the keyboard into the first field that is wrong
+  int card_px = 0;                  ///< of the bar; 0: none is shown
+  bool was_card_matched = false;    ///< the bar was changed: until then it says nothing of this screen
+  bool takes_focus = false;         ///< the next frame puts the keyboard into the first field that is wrong
+  std::string wanted_monitor = {};  ///< to which everything is to move; empty: stays
+  std::string error = {};           ///< why it did not
 };
 
 /// The distance is left to be typed.
@@ -59,6 +61,12 @@ SetupErrors find_errors(const SetupForm& form);
 bool is_right(const SetupForm& form);
 /// True where the form is right; else the keyboard goes to what is wrong.
 bool leave_setup(SetupForm& form);
+
+/// The monitor after the one that is used, in their order and round; empty where there is no other.
+std::string find_next_monitor(const std::vector<std::string>& names, const std::string& used);
+
+/// Another monitor is used from now on: what was measured on the one before holds no longer.
+void forget_monitor(SetupForm& form);
 
 /// Shows the bar to which a card is held, or takes it away.
 void switch_card(SetupForm& form);
@@ -75,8 +83,9 @@ struct SetupView {
   Size least_framebuffer;
   std::string participant;
   std::string experiment;
-  std::string goes_on_with;  ///< empty for a session that begins
-  std::string clock;         ///< what is wrong with the computer's; empty where nothing is
+  std::string goes_on_with;           ///< empty for a session that begins
+  std::string clock;                  ///< what is wrong with the computer's; empty where nothing is
+  std::vector<std::string> monitors;  ///< that are connected
 };
 
 /// True when the button was pressed and the form is right.

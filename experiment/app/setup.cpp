@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace equilux {
 namespace {
@@ -88,12 +89,27 @@ std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup,
       {"icc_profile", facts.icc_profile},
       {"gl_renderer", facts.gl_renderer},
       {"gl_version", facts.gl_version}};
+  if (!facts.gamma_curve.empty()) fields["gamma_curve"] = facts.gamma_curve;
   if (setup.pitch) {
     fields["pixel_pitch_x_mm"] = fmt::format("{:.5f}", 1000 * setup.pitch->x_m);
     fields["pixel_pitch_y_mm"] = fmt::format("{:.5f}", 1000 * setup.pitch->y_m);
   }
   if (facts.measured_hz) fields["refresh_hz_measured"] = fmt::format("{:.3f}", *facts.measured_hz);
   return fields;
+}
+
+std::string find_gamma_curve(const std::vector<std::vector<std::uint16_t>>& channels) {
+  constexpr int kSteps = 8;
+  std::vector<std::string> curves;
+  for (const std::vector<std::uint16_t>& channel : channels) {
+    std::vector<std::string> values;
+    for (int step = 0; step <= kSteps; ++step) {
+      const double at = static_cast<double>(step) / kSteps * static_cast<double>(channel.size() - 1);
+      values.push_back(fmt::format("{:.3g}", channel[static_cast<std::size_t>(std::lround(at))] / 65535.0));
+    }
+    curves.push_back(fmt::format("{}", fmt::join(values, " ")));
+  }
+  return fmt::format("{}", fmt::join(curves, "; "));
 }
 
 bool is_in_step(const ScreenFacts& facts) {

@@ -30,6 +30,7 @@ struct ScreenFacts {
   std::string gl_renderer;
   std::string gl_version;
   std::string gamma_ramp;   ///< identity, changed, not known
+  std::string gamma_curve;  ///< of one that was changed: what find_gamma_curve gives
   std::string icc_profile;  ///< name and size, or not known
 };
 
@@ -60,6 +61,10 @@ ViewingSetup find_setup(const SetupInput& input, const ScreenFacts& facts, const
 
 /// What a session keeps of it, by field name.
 std::map<std::string, std::string> find_screen_fields(const ViewingSetup& setup, const ScreenFacts& facts);
+
+/// A gamma ramp in red, green and blue at nine inputs from 0 to 1 in equal steps, as shares of full output:
+/// "0 .125 ... 1; ...". shape: as many values of each, two at least
+std::string find_gamma_curve(const std::vector<std::vector<std::uint16_t>>& channels);
 
 /// From times of shown frames to frames a second, by the median interval; empty for fewer than three. units:
 /// ns

@@ -108,6 +108,8 @@ Key name_key(int code) {
       return Key::kF3;
     case GLFW_KEY_F4:
       return Key::kF4;
+    case GLFW_KEY_F5:
+      return Key::kF5;
     case GLFW_KEY_BACKSPACE:
       return Key::kBackspace;
     case GLFW_KEY_UP:
@@ -153,6 +155,8 @@ Display::Display(const std::string& monitor) {
 }
 
 Display::~Display() { glfwTerminate(); }
+
+std::vector<std::string> Display::list_monitor_names() const { return label(list_monitors()); }
 
 // Of one that was unplugged the window system's is freed, and another made when it is back.
 GLFWmonitor* Display::monitor() const { return find_monitor(name_); }
@@ -226,6 +230,7 @@ struct AppWindow::Callbacks {
     const bool is_there = event == GLFW_CONNECTED;
     AppWindow& window = *watching_;
     add_change(window, is_there ? "monitor_connected" : "monitor_disconnected", name);
+    window.is_rearranged_ = true;
     if (is_there && window.watch_.connect(monitor, name)) window.returned_ = monitor;
     if (is_there || !window.watch_.disconnect(monitor)) return;
     window.monitor_ = window.returned_ = nullptr;
@@ -304,6 +309,16 @@ void AppWindow::resize(Size size) {
   check_framebuffer(size);
 }
 
+void AppWindow::move_to(const Display& display, Size plain) {
+  monitor_ = display.monitor();
+  returned_ = nullptr;
+  is_displaced_ = false;
+  watch_.follow(monitor_, glfwGetMonitorName(monitor_));
+  if (!fills_monitor_) return resize(plain);
+  fill_monitor();
+  check_framebuffer(display.size());
+}
+
 Size AppWindow::framebuffer() const {
   Size size;
   glfwGetFramebufferSize(window_, &size.width, &size.height);
@@ -318,6 +333,7 @@ void AppWindow::wait(double seconds) {
   }
   leave_monitor();
   return_to_monitor();
+  follow_monitor();
 }
 
 // GLFW 3.3 moves it by a frame of unknown size, which without a window manager is anywhere.
@@ -336,14 +352,26 @@ void AppWindow::leave_monitor() {
 void AppWindow::return_to_monitor() {
   if (!returned_) return;
   monitor_ = std::exchange(returned_, nullptr);
-  const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
-  if (fills_monitor_) {
-    glfwSetWindowMonitor(window_, monitor_, 0, 0, mode->width, mode->height, mode->refreshRate);
-  } else {
-    centre(window_, monitor_, framebuffer());
-  }
+  if (fills_monitor_) return fill_monitor();
+  centre(window_, monitor_, framebuffer());
   glfwFocusWindow(window_);
   is_damaged_ = true;
+}
+
+void AppWindow::fill_monitor() {
+  const GLFWvidmode* mode = glfwGetVideoMode(monitor_);
+  glfwSetWindowMonitor(window_, monitor_, 0, 0, mode->width, mode->height, mode->refreshRate);
+  glfwFocusWindow(window_);
+  is_damaged_ = true;
+}
+
+// Where another monitor came or went, this one may stand elsewhere in the desktop.
+void AppWindow::follow_monitor() {
+  if (!std::exchange(is_rearranged_, false) || !monitor_ || !fills_monitor_) return;
+  int x = 0, y = 0, monitor_x = 0, monitor_y = 0;
+  glfwGetWindowPos(window_, &x, &y);
+  glfwGetMonitorPos(monitor_, &monitor_x, &monitor_y);
+  if (x != monitor_x || y != monitor_y) fill_monitor();
 }
 
 void AppWindow::wake() { glfwPostEmptyEvent(); }

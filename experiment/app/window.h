@@ -27,6 +27,9 @@ class Display {
   Display& operator=(const Display&) = delete;
 
   const std::string& monitor_name() const { return name_; }  ///< as it can be chosen by
+  std::vector<std::string> list_monitor_names() const;       ///< of all that are connected now, the same way
+  /// Another one from now on, which is looked for when something is asked of it.
+  void choose(const std::string& name) { name_ = name; }
 
   // errors: InputError if it was unplugged
   Size size() const;         ///< of the current video mode; units: pixels
@@ -58,6 +61,9 @@ class AppWindow {
 
   /// Makes a plain window another size. errors: InputError if it does not become so.
   void resize(Size size);
+  /// To the monitor that is chosen now: fills it, or stands in its middle in this size, as the window did
+  /// before. errors: InputError if the framebuffer got is another size.
+  void move_to(const Display& display, Size plain);
   Size framebuffer() const;
 
   /// Ends the wait of the window that waits now. From any thread.
@@ -93,6 +99,8 @@ class AppWindow {
   void check_framebuffer(Size wanted);
   void leave_monitor();
   void return_to_monitor();
+  void fill_monitor();
+  void follow_monitor();
   InputEvent make_event(InputKind kind) const;
 
   GLFWwindow* window_ = nullptr;
@@ -100,7 +108,8 @@ class AppWindow {
   GLFWmonitor* monitor_ = nullptr;   ///< null while it is gone
   GLFWmonitor* returned_ = nullptr;  ///< the same, back since the window was last looked at
   bool fills_monitor_ = false;
-  bool is_displaced_ = false;  ///< its monitor has gone since the window was last looked at
+  bool is_displaced_ = false;   ///< its monitor has gone since the window was last looked at
+  bool is_rearranged_ = false;  ///< some monitor came or went since then
   HeldKeys keys_;
   std::vector<InputEvent> events_;
   std::vector<WindowChange> changes_;

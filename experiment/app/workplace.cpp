@@ -96,6 +96,28 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   return work;
 }
 
+void change_monitor(Workplace& work, Display& display, AppWindow& window, const std::string& name) {
+  const std::string before = display.monitor_name();
+  const Size picture = picture_size(work.manifest);
+  bool has_moved = false;
+  const auto move = [&] {
+    make_layout(display.size(), picture, work.inputs.experiment);
+    has_moved = true;
+    window.move_to(display, choose_window_size(picture, display.size()));
+    work.layout = make_layout(window.framebuffer(), picture, work.inputs.experiment);
+  };
+  display.choose(name);
+  try {
+    move();
+  } catch (const InputError&) {
+    display.choose(before);
+    if (has_moved) move();
+    throw;
+  }
+  work.facts = read_screen_facts(display, window);
+  set_up(work, {0, 0, work.setup_input.viewing_distance_m});
+}
+
 std::string describe_clock(const Workplace& work) {
   if (!work.clock_lag) return {};
   const auto& limit = work.inputs.protocol.resume_within_hours;

@@ -55,6 +55,11 @@ Size choose_window_size(const AppParams& params, const Display& display);
 /// writes nothing. errors: InputError, StoreError
 Workplace prepare_workplace(const AppParams& params, const Display& display, AppWindow& window);
 
+/// Everything goes on on that monitor, whose facts are read; what was set up for the other one holds no
+/// longer, but the distance. errors: InputError for one that is not there or too small; then all stays as it
+/// was.
+void change_monitor(Workplace& work, Display& display, AppWindow& window, const std::string& name);
+
 /// What the experimenter must know of this computer's clock; empty where it is not behind the log.
 std::string describe_clock(const Workplace& work);
 

@@ -106,14 +106,17 @@ class XDisplay::MonitorSwitch {
   XID mode_ = None;
 };
 
-XDisplay::XDisplay(int width, int height) : width_(width), height_(height) {
+XDisplay::XDisplay(int width, int height)
+    : XDisplay({"Xvfb", "-displayfd", "3", "-screen", "0", fmt::format("{}x{}x24", width, height), "-dpi",
+                "96", "-nolisten", "tcp", "-noreset"},
+               width, height) {}
+
+XDisplay::XDisplay(const std::vector<std::string>& server, int width, int height)
+    : width_(width), height_(height) {
   std::string number;
-  server_ =
-      std::make_unique<ChildProcess>(std::vector<std::string>{"Xvfb", "-displayfd", "3", "-screen", "0",
-                                                              fmt::format("{}x{}x24", width, height), "-dpi",
-                                                              "96", "-nolisten", "tcp", "-noreset"},
-                                     std::map<std::string, std::string>{}, &number);
-  if (number.empty()) throw std::runtime_error("Xvfb did not start: " + server_->read_output());
+  server_ = std::make_unique<ChildProcess>(server, std::map<std::string, std::string>{}, &number);
+  if (number.empty())
+    throw std::runtime_error(fmt::format("{} did not start: {}", server.front(), server_->read_output()));
   name_ = ":" + number;
   connection_ = std::make_unique<Connection>(name_);
   move_pointer(2, 2);
@@ -146,8 +149,15 @@ void XDisplay::type_text(const std::string& text) {
   }
 }
 
+void XDisplay::look_at(int x, int y, int width, int height) {
+  x_ = x;
+  y_ = y;
+  width_ = width;
+  height_ = height;
+}
+
 void XDisplay::move_pointer(int x, int y) {
-  XTestFakeMotionEvent(connection_->display, 0, x, y, CurrentTime);
+  XTestFakeMotionEvent(connection_->display, 0, x_ + x, y_ + y, CurrentTime);
   XSync(connection_->display, False);
 }
 
@@ -214,7 +224,7 @@ void XDisplay::plug_in_monitor() { monitor_->set(true); }
 
 LdrImage XDisplay::take_screenshot() const {
   ::Display* display = connection_->display;
-  XImage* picture = XGetImage(display, DefaultRootWindow(display), 0, 0, static_cast<unsigned>(width_),
+  XImage* picture = XGetImage(display, DefaultRootWindow(display), x_, y_, static_cast<unsigned>(width_),
                               static_cast<unsigned>(height_), AllPlanes, ZPixmap);
   if (!picture || picture->bits_per_pixel != 32 || picture->byte_order != LSBFirst ||
       picture->red_mask != 0xFF0000 || picture->blue_mask != 0xFF) {

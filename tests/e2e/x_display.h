@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "stimuli/image.h"
 #include "tests/e2e/child_process.h"
@@ -13,6 +14,8 @@ namespace equilux {
 class XDisplay {
  public:
   explicit XDisplay(int width = 1280, int height = 1024);
+  /// Another server, which tells its display through descriptor 3.
+  XDisplay(const std::vector<std::string>& server, int width, int height);
   ~XDisplay();
 
   /// As for DISPLAY.
@@ -26,6 +29,9 @@ class XDisplay {
   void type_key(const std::string& key);
   /// ASCII, on the keyboard that Xvfb has.
   void type_text(const std::string& text);
+
+  /// What pictures are taken of from now on, and where points count from: a part of the desktop.
+  void look_at(int x, int y, int width, int height);
 
   void move_pointer(int x, int y);
   void press_button(int button = 1);
@@ -52,6 +58,8 @@ class XDisplay {
  private:
   struct Connection;
   class MonitorSwitch;
+  int x_ = 0;
+  int y_ = 0;
   int width_;
   int height_;
   std::string name_;

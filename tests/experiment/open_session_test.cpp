@@ -109,9 +109,9 @@ TEST_F(OpenSessionTest, KeepsTheStationThatItWasToldLast) {
 }
 
 TEST_F(OpenSessionTest, RefusesANameForACodeAndOneThatDiffersFromAnotherInCase) {
-  for (const char* code : {"", " ", "Anna M", "Anna\nM", "M\u00fcller", "a/b", "=1"})
-    expect_refused(HasSubstr("expected a code of letters from a to z"), code);
-  expect_refused(HasSubstr("at most 64"), std::string(65, 'a'));
+  for (const char* code : {"", " ", "Anna M", "Anna\nM", "M\u00fcller", "a/b", "=1", "Anna", "anna.m"})
+    expect_refused(HasSubstr("expected a code and no name: a digit or more beside letters"), code);
+  expect_refused(HasSubstr("at most 64"), std::string(65, '1'));
   open("P1");
   expect_refused(
       AllOf(HasSubstr("in more than the case of letters"), HasSubstr("p1, where session 1 is of P1")), "p1");

@@ -176,20 +176,64 @@ TEST(Reference, OfManyPixelsErrsInTheRoomByHardlyLessThanIsAsked) {
   EXPECT_GT(noise.outside_mean, .92 * target.outside_mean) << noise.outside_mean;
 }
 
-// Twelve seeds, a 99th percentile that is hardly foreseen: some miss it and are made again, all meet it.
-TEST(Reference, ThatMissesItsTargetIsMadeAgain) {
+// Twelve seeds, a 99th percentile that is hardly foreseen: to some that miss it another is added, all meet
+// it.
+TEST(Reference, ThatMissesItsTargetGetsAnotherRenderingBesideIt) {
   const Stage stage(12, 1);
   const NoiseTarget target{3, 5.4, 8};
   int again = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const FamilyLayers layers = stage.trace(adaptive(target, seed));
-    again += layers.turns > 1;
+    again += layers.added.empty() ? 0 : 1;
     const DisplayNoise noise = stage.noise(layers);
     EXPECT_LE(noise.object_mean, target.object_mean) << seed;
     EXPECT_LE(noise.object_p99, target.object_p99) << seed;
   }
   EXPECT_GE(again, 1) << "otherwise this test shows nothing";
   EXPECT_LE(again, 9) << "what is foreseen should mostly come true";
+}
+
+// Of many pictures' pixels, all of them on the object: true errors over those that they tell.
+struct Calibration {
+  double squares = 0, variances = 0, sum = 0;
+  int pictures = 0;
+
+  void add(const FamilyLayers& layers, const HdrImage& truth) {
+    const HdrImage shown = composite({&layers.direct, &layers.indirect});
+    for (std::size_t i = 0; i < truth.values.size(); ++i) {
+      if (layers.background.values[i] > 0) continue;
+      const double error = shown.values[i] - truth.values[i];
+      squares += error * error;
+      variances += std::pow(layers.standard_error.values[i], 2);
+      sum += error;
+    }
+    ++pictures;
+  }
+  double ratio() const { return std::sqrt(squares / variances); }
+};
+
+// A 99th percentile that is hardly foreseen: what is added is weighed with what was there, errs as it says,
+// and lies around the light of many paths; as do pictures that met their target at once.
+TEST(Reference, WithAnotherAddedErrsAsItSaysAroundTheSameLight) {
+  const Stage stage(20, 1);
+  ReferenceParams many = fixed(16, 99);
+  many.fixed = PathCounts{8192, 65536, 64};
+  const FamilyLayers exact = stage.trace(many);
+  const HdrImage truth = composite({&exact.direct, &exact.indirect});
+  Calibration added, at_once;
+  for (std::uint64_t seed = 1; seed <= 48; ++seed) {
+    const FamilyLayers layers = stage.trace(adaptive({3, 4.7, 8}, seed));
+    for (const AddedTurn& turn : layers.added) {
+      EXPECT_TRUE(turn.share > 0 && turn.share < 1) << turn.share;
+      EXPECT_GT(turn.paths, 0) << seed;
+    }
+    (layers.added.empty() ? at_once : added).add(layers, truth);
+  }
+  EXPECT_GE(added.pictures, 5) << "otherwise this test shows nothing";
+  for (const Calibration& pictures : {added, at_once}) {
+    EXPECT_NEAR(pictures.ratio(), 1, .1) << pictures.pictures;
+    EXPECT_LT(std::abs(pictures.sum), 5 * std::sqrt(pictures.variances)) << "channels of a pixel err alike";
+  }
 }
 
 // Of a layer's mean, its pixels being independent.
@@ -211,7 +255,7 @@ TEST(Reference, WhoseRoomMissesItsTargetGetsAnotherRoom) {
                                                poor, test::no_progress());
   const FamilyScene scene{stage.world, stage.materials, stage.primary};
   const FamilyLayers layers = trace_object(scene, plan, rooms[0], params, test::no_progress());
-  EXPECT_GT(layers.turns, 1);
+  EXPECT_GT(layers.room_turns, 1);
   const DisplayNoise noise = stage.noise(layers);
   EXPECT_LE(noise.outside_mean, 5);
   EXPECT_GT(noise.outside_mean, 4) << "no more than is asked";

@@ -54,6 +54,25 @@ TEST(StartFormTest, EachFieldThatIsMissingIsNamed) {
   EXPECT_THAT(error_of(params), testing::HasSubstr("Study folder"));
 }
 
+TEST(SetupFormTest, TheNextMonitorIsTheOneAfterItAndRound) {
+  EXPECT_EQ(find_next_monitor({"a", "b", "c"}, "a"), "b");
+  EXPECT_EQ(find_next_monitor({"a", "b", "c"}, "c"), "a");
+  EXPECT_EQ(find_next_monitor({"a"}, "a"), "") << "no other";
+  EXPECT_EQ(find_next_monitor({"a"}, "unplugged"), "a");
+  EXPECT_EQ(find_next_monitor({}, "unplugged"), "");
+}
+
+TEST(SetupFormTest, WhatWasMeasuredOnAnotherMonitorDoesNotCount) {
+  SetupForm form = make_setup_form(0.6);
+  std::snprintf(form.distance_cm.data(), form.distance_cm.size(), "61");
+  switch_card(form);
+  form.was_card_matched = true;
+  forget_monitor(form);
+  EXPECT_EQ(read_setup_form(form).diagonal_m, 0);
+  EXPECT_EQ(read_setup_form(form).card_px, 0);
+  EXPECT_DOUBLE_EQ(read_setup_form(form).viewing_distance_m, 0.61) << "from the eyes to the screen";
+}
+
 // Where the bar is first says nothing of this screen.
 TEST(SetupFormTest, ACardCountsOnceTheBarWasMatchedToIt) {
   SetupForm form = make_setup_form(0);

@@ -96,6 +96,21 @@ TEST(SetupTest, TheFieldsOfASessionTellHowItWasSetUp) {
   EXPECT_EQ(fields.at("video_mode"), "1600x1200");
 }
 
+TEST(SetupTest, AChangedGammaRampIsKept) {
+  std::vector<std::uint16_t> identity(256), halved(1024);
+  for (std::size_t i = 0; i < identity.size(); ++i) identity[i] = static_cast<std::uint16_t>(257 * i);
+  for (std::size_t i = 0; i < halved.size(); ++i)
+    halved[i] = static_cast<std::uint16_t>(32767.5 * static_cast<double>(i) / 1023);
+  ScreenFacts facts = make_facts();
+  EXPECT_FALSE(find_screen_fields(find_setup({}, facts, kTarget, kPicture), facts).contains("gamma_curve"));
+  facts.gamma_curve = find_gamma_curve({identity, halved, {0, 65535}});
+  EXPECT_EQ(facts.gamma_curve,
+            "0 0.125 0.251 0.376 0.502 0.624 0.749 0.875 1; 0 0.0625 0.125 0.188 0.25 0.312 0.375 0.437 0.5; "
+            "0 0 0 0 1 1 1 1 1");
+  EXPECT_EQ(find_screen_fields(find_setup({}, facts, kTarget, kPicture), facts).at("gamma_curve"),
+            facts.gamma_curve);
+}
+
 ScreenFacts at_rate(double mode_hz, std::optional<double> measured_hz) {
   ScreenFacts facts;
   facts.mode_hz = mode_hz;
@@ -143,8 +158,10 @@ std::set<std::string> list_other_fields() { return {"prompt", "lane", "clock_beh
 
 TEST(FieldNotes, DescribeEveryFieldThatASessionWrites) {
   std::set<std::string> written = list_other_fields();
-  const ViewingSetup setup = find_setup({0.5, 0, 0.6}, make_facts(), kTarget, kPicture);
-  for (const auto& [name, value] : find_screen_fields(setup, make_facts())) written.insert(name);
+  ScreenFacts facts = make_facts();
+  facts.gamma_curve = "0 1";
+  const ViewingSetup setup = find_setup({0.5, 0, 0.6}, facts, kTarget, kPicture);
+  for (const auto& [name, value] : find_screen_fields(setup, facts)) written.insert(name);
   SessionProtocol protocol;
   protocol.consent = Consent{"1", {"text"}};
   Intake intake;
