@@ -202,13 +202,34 @@ void look_again(const World& world, const Primary& primary, const TracedLayers& 
   }
 }
 
-// Every pixel of a small room; of a large one that sets may make, whose rule needs less, every second line
-// and column.
-constexpr double kLargeRoom = 24000;
+// Every pixel of a small room; of a large one that sets may make, whose rule needs less, every second or
+// third line and column.
+constexpr double kLargeRoom = 24000, kLargestRoom = 90000;
 
 std::size_t find_room_stride(const World& world, const HdrImage& coverage, const ReferenceParams& params) {
-  const auto room = std::count(coverage.values.begin(), coverage.values.end(), 0.f);
-  return is_by_sets(world, params) && static_cast<double>(room) >= kLargeRoom ? 2 : 1;
+  const auto room = static_cast<double>(std::count(coverage.values.begin(), coverage.values.end(), 0.f));
+  if (!is_by_sets(world, params) || room < kLargeRoom) return 1;
+  return room < kLargestRoom ? 2 : 3;
+}
+
+// Every pixel of a small object, every second or third line and column of a large one.
+std::size_t find_pilot_stride(const HdrImage& coverage) {
+  const auto pixels = std::count_if(coverage.values.begin(), coverage.values.end(),
+                                    [](float covered) { return covered > 0; });
+  return pixels <= 4000 ? 1 : pixels <= 32000 ? 2 : 3;
+}
+
+// The object's part of a pilot at some of its pixels, and between them; gives how far these are apart.
+int thin_out_object(PathMaps& maps, const HdrImage& coverage) {
+  const std::size_t stride = find_pilot_stride(coverage);
+  maps.direct = thin_out(maps.direct, coverage.width, stride);
+  maps.indirect = thin_out(maps.indirect, coverage.width, stride);
+  return 1 + static_cast<int>(stride);
+}
+
+void fill_object_between(TracedLayers& pilot, const PathMaps& seen, const HdrImage& coverage, int reach) {
+  for (TracedLayer* layer : {&pilot.direct, &pilot.indirect})
+    fill_between(*layer, seen.indirect, coverage, reach);
 }
 
 // By pilots.
@@ -222,13 +243,16 @@ BackgroundPlan foresee_background(const World& world, const Primary& primary, co
   for (std::size_t i = 0; i < coverage.pixel_count(); ++i) {
     if (coverage.values[i] > 0) some.background[i] = few.background[i];
   }
-  progress.expect_more(count_room_paths(primary, some.background) -
-                       count_room_paths(primary, few.background));
+  const int object_reach = stride > 1 ? thin_out_object(some, coverage) : 0;
+  progress.expect_more(count_paths(primary, some) - count_paths(primary, few));
   TracedLayers pilot =
       trace_layers({world, make_grey_materials(world), primary}, some, params.seed,
                    params.background_stream_name + ".pilot", params.measures, progress.advance);
   const int reach = static_cast<int>(stride);
-  if (stride > 1) fill_room_between(pilot.background, some.background, coverage, reach);
+  if (stride > 1) {
+    fill_room_between(pilot.background, some.background, coverage, reach);
+    fill_object_between(pilot, some, coverage, object_reach);
+  }
   PathMap map = allot_by(pilot, few, coverage, primary.positions, params).background;
   std::optional<RoomPlan> by_sets;
   if (is_by_sets(world, params))
@@ -299,25 +323,14 @@ PathMaps allot_by_pilots(const FamilyScene& scene, const BackgroundPlan& plan, c
   return maps;
 }
 
-// Every pixel of a small object, every second or third line and column of a large one.
-std::size_t find_pilot_stride(const HdrImage& coverage) {
-  const auto pixels = std::count_if(coverage.values.begin(), coverage.values.end(),
-                                    [](float covered) { return covered > 0; });
-  return pixels <= 4000 ? 1 : pixels <= 32000 ? 2 : 3;
-}
-
 ObjectPilot fly_between(const FamilyScene& scene, const BackgroundPlan& plan, const ReferenceParams& params,
                         const FamilyProgress& progress) {
   const HdrImage coverage = make_coverage(scene.primary);
-  const std::size_t stride = find_pilot_stride(coverage);
   PathMaps all = make_pilot_maps(scene.primary), some = all;
-  some.direct = thin_out(all.direct, coverage.width, stride);
-  some.indirect = thin_out(all.indirect, coverage.width, stride);
+  const int reach = thin_out_object(some, coverage);
   progress.expect_more(count_object(scene.primary, some));
   PathPilot pilot = fly(scene, plan, some, params, ".sparse-pilot", progress);
-  const int reach = 1 + static_cast<int>(stride);
-  for (TracedLayer* layer : {&pilot.layers.direct, &pilot.layers.indirect})
-    fill_between(*layer, some.indirect, coverage, reach);
+  fill_object_between(pilot.layers, some, coverage, reach);
   all.background = plan.pilot_map;
   return {std::move(pilot.layers), std::move(all), std::move(some.indirect), reach};
 }

@@ -34,6 +34,9 @@ struct SetCandidate {
   double compensation_cost = 0;  ///< for a mean error of one step. units: paths
   double vpl_variance = 0;       ///< relative, of a small set; see trace_small_sets
   double cut_variance = 0;       ///< the same, of representatives alone
+  double cut_exponent = 1;       ///< of the latter over the ratio
+  double cut_size = 0;           ///< of a small set's cuts, mean. units: clusters
+  double size_exponent = 0;      ///< of it over the ratio
 };
 
 /// Of a path of compensation, whose first ray is the longer the more is clamped. units: paths

@@ -17,20 +17,19 @@ constexpr int kFiniteLevels = kClampLevelCount - 1;
 // Costs in units of a path, measured in the café: a VPL with its share of the tree, and a cluster of a cut
 // with the rays that roulette leaves of it. `bench_sets` (tests/bench/sets.cpp) measures these and the
 // numbers below anew.
-constexpr double kVplCost = 0.7, kClusterCost = 0.07;
+constexpr double kVplCost = 0.55, kClusterCost = 0.06;
 
-// How what small sets show goes on: sizes of cuts over the number of VPLs and the ratio, and what
-// representatives and roulette err by over the ratio, hardly over the number of VPLs; fitted to three objects
-// of the café, 20k to 1.3M VPLs, .25 to 16 %.
-constexpr double kSizeByVpls = 0.06, kSizeByRatio = -0.58;
-constexpr double kVarianceByRatio = 1.1;
+// How sizes of cuts go on with the number of VPLs from what small sets show; fitted to three objects of the
+// café, 20k to 1.3M VPLs. What representatives and roulette err by hardly does.
+constexpr double kSizeByVpls = 0.06;
 
-// Points of a set err alike, so that eight sets may well err by a fifth more than is foreseen: a plan without
-// room for that misses its target, and is made twice.
-constexpr double kMoreVariance = 1.4;
+// Points of a set err alike, so that eight sets may well err by a fifth more than is foreseen. What then
+// misses its target costs a part of it again.
+constexpr double kMoreVariance = 1.2;
 
 // What may be chosen.
-constexpr double kRatios[] = {0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16};
+constexpr double kRatios[] = {0.0025, 0.0035, 0.005, 0.007, 0.01, 0.014, 0.02,
+                              0.028,  0.04,   0.056, 0.08,  0.11, 0.16};
 constexpr double kFewestVpls = 10000, kMostVpls = 5e6, kVplStep = 1.5;
 constexpr int kMostSets = 10000;
 // Fewer tell too little of their spread.
@@ -62,32 +61,39 @@ int round_sets(double sets, int positions) {
 }
 
 // The fewest sets of one kind that leave compensation its best share of the error, and what both cost.
-Choice choose_sets(const SetCandidate& candidate, const SmallSets& small, const SetTask& task, double vpls,
+Choice choose_sets(const SetCandidate& candidate, double small_vpls, const SetTask& task, double vpls,
                    double ratio) {
-  const double more = vpls / small.vpls, coarser = ratio / kSmallSetsRatio;
+  const double more = vpls / small_vpls, coarser = ratio / kSmallSetsRatio;
   Choice choice;
   choice.vpls = vpls;
   choice.ratio = ratio;
   choice.set_variance = kMoreVariance * (candidate.vpl_variance / more +
-                                         candidate.cut_variance * std::pow(coarser, kVarianceByRatio));
-  const double size = small.cut_size * std::pow(more, kSizeByVpls) * std::pow(coarser, kSizeByRatio);
+                                         candidate.cut_variance * std::pow(coarser, candidate.cut_exponent));
+  const double size =
+      candidate.cut_size * std::pow(more, kSizeByVpls) * std::pow(coarser, candidate.size_exponent);
   choice.set_cost = kVplCost * vpls + kClusterCost * size * task.points;
   const double error = candidate.mean_size * std::sqrt(choice.set_variance);
   const double one = error * std::sqrt(choice.set_cost), other = std::sqrt(candidate.compensation_cost);
-  const double wanted = std::min(square(task.target.object_mean) * one / (one + other),
-                                 square(task.target.object_p99 / kPercentileOfFew / candidate.p99_over_mean));
+  const double target = square(task.target.object_mean);
+  // Fewer paths than the fewest are not to be had: what they err by is not asked of the sets.
+  const double fewest =
+      cost_of_compensation(candidate.level) * task.pilot.least_paths * task.count_pixel_paths();
+  const double wanted =
+      std::min(std::max(target * one / (one + other), target - candidate.compensation_cost / fewest),
+               square(task.target.object_p99 / kPercentileOfFew / candidate.p99_over_mean));
   const double sets = wanted > 0 ? std::ceil(square(error) / wanted) : 0;
   choice.sets = round_sets(std::max<double>(kFewestSets, sets), task.positions);
-  const double left = square(task.target.object_mean) - square(error) / choice.sets;
-  if (left > 0) choice.cost = choice.sets * choice.set_cost + candidate.compensation_cost / left;
+  const double left = target - square(error) / choice.sets;
+  if (left > 0)
+    choice.cost = choice.sets * choice.set_cost + std::max(fewest, candidate.compensation_cost / left);
   return choice;
 }
 
-Choice find_best_choice(const SetCandidate& candidate, const SmallSets& small, const SetTask& task) {
+Choice find_best_choice(const SetCandidate& candidate, double small_vpls, const SetTask& task) {
   Choice best;
   for (double vpls = kFewestVpls; vpls <= kMostVpls; vpls *= kVplStep) {
     for (const double ratio : kRatios) {
-      const Choice choice = choose_sets(candidate, small, task, vpls, ratio);
+      const Choice choice = choose_sets(candidate, small_vpls, task, vpls, ratio);
       if (choice.cost < best.cost) best = choice;
     }
   }
@@ -130,8 +136,8 @@ SetPlan make_plan(SetCandidate candidate, const Choice& choice) {
 }
 
 // By its price.
-Choice choose_best(const SetTask& task, const SetCandidate& candidate, const SmallSets& small) {
-  const Choice least = find_best_choice(candidate, small, task);
+Choice choose_best(const SetTask& task, const SetCandidate& candidate, double small_vpls) {
+  const Choice least = find_best_choice(candidate, small_vpls, task);
   Choice best;
   if (!(least.cost < task.most_cost)) return best;
   for (const double more : kMoreSets) {
@@ -144,12 +150,12 @@ Choice choose_best(const SetTask& task, const SetCandidate& candidate, const Sma
 }
 
 // `candidates`: the hardest clamp first.
-std::optional<SetPlan> find_cheapest(std::vector<SetCandidate> candidates, const SmallSets& small,
+std::optional<SetPlan> find_cheapest(std::vector<SetCandidate> candidates, double small_vpls,
                                      const SetTask& task) {
   std::vector<Choice> choices;
   double least = task.most_cost;
   for (const SetCandidate& candidate : candidates) {
-    choices.push_back(choose_best(task, candidate, small));
+    choices.push_back(choose_best(task, candidate, small_vpls));
     least = std::min(least, choices.back().cost);
   }
   for (std::size_t i = 0; i < choices.size(); ++i) {
@@ -196,8 +202,8 @@ std::optional<SetPlan> plan_vpl_sets(const FamilyScene& scene, const SetPilot& p
   if (task.pixels.empty() || 2 * kSmallSets * kVplCost * count_small_set_vpls(task) > most_cost) return {};
   std::vector<SetCandidate> candidates = find_candidates(task);
   if (candidates.empty()) return {};
-  const SmallSets small = trace_small_sets(scene, task, candidates, seed, stream_name);
-  std::optional<SetPlan> plan = find_cheapest(std::move(candidates), small, task);
+  const double small_vpls = trace_small_sets(scene, task, candidates, seed, stream_name);
+  std::optional<SetPlan> plan = find_cheapest(std::move(candidates), small_vpls, task);
   if (plan) {
     for (std::size_t i = 0; i < pilot.beside.values.size(); ++i)
       plan->light.values[i] += pilot.beside.values[i];

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <numeric>
 
+#include "renderer/parallel.h"
 #include "renderer/vpl_sets.h"
 
 namespace equilux {
@@ -14,7 +15,7 @@ namespace {
 
 // Trees of each, at points of one subpixel position, of so many VPLs a point that the camera sees there.
 constexpr std::size_t kPilotTrees = 2;
-constexpr std::size_t kPilotPoints = 256;
+constexpr std::size_t kPilotPoints = 128;
 constexpr double kPilotVplsPerPoint = 2, kFewestPilotVpls = 10000, kMostPilotVpls = 50000;
 
 // What VPLs err by is a difference of two spreads, of sets and of trees, each known to a third or so: this
@@ -25,7 +26,18 @@ constexpr double kLeastOfVpls = 0.25;
 // itself.
 constexpr double kPercentileOfPilot = 1.7;
 
+// What is believed of how variances and sizes go with the ratio: from evenly spread representatives to such
+// as are all alike.
+constexpr double kLeastVarianceExponent = 0.7, kMostVarianceExponent = 2;
+constexpr double kLeastSizeExponent = -0.8, kMostSizeExponent = -0.2;
+
 double square(double x) { return x * x; }
+
+// Of a power of the ratio that goes through both; the middle of the limits where nothing is known.
+double find_exponent(double fine, double coarse, double least, double most) {
+  if (!(fine > 0) || !(coarse > 0)) return (least + most) / 2;
+  return std::clamp(std::log(coarse / fine) / std::log(kCoarseRatio / kSmallSetsRatio), least, most);
+}
 
 double sum_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
@@ -47,7 +59,7 @@ std::vector<ShadingPoint> draw_pilot_points(const SetSubject& subject) {
 // Points of one material one after another.
 struct PilotGroup {
   std::vector<ShadingPoint> points;
-  ShadedPoints totals;
+  std::vector<ShadedPoints> totals;  // of each level
 };
 
 // What is to be added to the light of the rule.
@@ -73,101 +85,138 @@ class SetPilotTracer {
       groups_.back().points.push_back(point);
     }
     for (PilotGroup& group : groups_) {
-      group.totals.levels = candidates.size();
-      group.totals.points = group.points.size();
       for (const SetCandidate& candidate : candidates) {
+        ShadedPoints totals{1, group.points.size(), {}};
         for (const ShadingPoint& point : group.points) {
           const float* p = candidate.light.pixel(point.pixel);
-          group.totals.radiance.push_back(Vec3{p[0], p[1], p[2]} + light_beside(task.pilot, point.pixel));
+          totals.radiance.push_back(Vec3{p[0], p[1], p[2]} + light_beside(task.pilot, point.pixel));
         }
+        group.totals.push_back(std::move(totals));
       }
     }
+    for (Cuts* cuts : {&fine_, &coarse_}) cuts->trees.resize(kSmallSets * kPilotTrees);
   }
 
-  // Fills in the candidates' variances.
-  SmallSets trace(double vpls, std::uint64_t seed, const std::string& stream_name) {
-    SmallSets small;
+  // Fills in what the candidates are to know.
+  double trace(double vpls, std::uint64_t seed, const std::string& stream_name) {
     const std::int64_t paths = find_path_count(scene_.world, std::llround(vpls), seed);
+    std::vector<VplList> lists;
+    double made = 0;
     for (std::size_t set = 0; set < kSmallSets; ++set) {
-      const VplList list = join_vpls(trace_vpls(scene_.world, scene_.materials, paths, seed,
-                                                fmt::format("{}.set-pilot-{}", stream_name, set)));
-      small.vpls += static_cast<double>(list.size()) / kSmallSets;
-      for (std::size_t tree = 0; tree < kPilotTrees; ++tree)
-        small.cut_size +=
-            cut(list, seed + kPilotTrees * set + tree, stream_name) / (kSmallSets * kPilotTrees);
+      lists.push_back(join_vpls(trace_vpls(scene_.world, scene_.materials, paths, seed,
+                                           fmt::format("{}.set-pilot-{}", stream_name, set))));
+      made += static_cast<double>(lists.back().size()) / kSmallSets;
     }
+    // The points of one call are few: trees, not points, are what threads share.
+    for_each_parallel(kSmallSets * kPilotTrees, [&](std::size_t tree) {
+      const LightTree lights = make_light_tree(lists[tree / kPilotTrees], {seed + tree, 4});
+      for (Cuts* cuts : {&fine_, &coarse_}) cuts->trees[tree] = cut(lights, *cuts, seed + tree, stream_name);
+    });
     for (std::size_t k = 0; k < candidates_.size(); ++k) compare(k);
-    return small;
+    return made;
   }
 
  private:
-  // Gives the mean size.
-  double cut(VplList list, std::uint64_t tree_seed, const std::string& stream_name) {
-    const LightTree lights = make_light_tree(std::move(list), {tree_seed, 4});
-    ShadedPoints lit{candidates_.size(), points_.size(), {}};
-    lit.radiance.resize(candidates_.size() * points_.size());
-    double sizes = 0;
-    std::size_t first = 0;
-    for (const PilotGroup& group : groups_) {
-      LightcutParams rule =
-          make_set_rule(kSmallSetsRatio, find_radiance_of_step(view_.tone().record, kFloorSteps),
-                        group.totals, tree_seed, fmt::format("{}.set-pilot-rays-{}", stream_name, first));
-      rule.neighbours = 0;
-      CutRecord record;
-      const ShadedPoints some =
-          shade_lightcut(scene_.world, group.points, lights,
-                         {scene_.materials[group.points.front().surface.material]}, clamps_, rule, &record);
-      sizes = std::accumulate(record.sizes.begin(), record.sizes.end(), sizes);
-      for (std::size_t level = 0; level < candidates_.size(); ++level)
-        std::copy_n(some.radiance.begin() + static_cast<std::ptrdiff_t>(some.index(0, level, 0)),
-                    group.points.size(),
-                    lit.radiance.begin() + static_cast<std::ptrdiff_t>(lit.index(0, level, first)));
-      first += group.points.size();
+  // What cuts of one tree give.
+  struct TreeCuts {
+    ShadedPoints lit;
+    std::vector<double> sizes;  // by level, summed
+  };
+
+  // What cuts of one ratio give, of each tree of each set.
+  struct Cuts {
+    double ratio = 0;
+    const char* name = "";
+    std::vector<TreeCuts> trees = {};
+
+    double count_clusters(std::size_t level) const {
+      double sum = 0;
+      for (const TreeCuts& tree : trees) sum += tree.sizes[level];
+      return sum;
     }
-    lit_.push_back(std::move(lit));
-    return sizes / static_cast<double>(std::max<std::size_t>(1, points_.size()));
+  };
+
+  // Level by level, as the sets themselves: one cut for all of them would be longer and err less.
+  TreeCuts cut(const LightTree& lights, const Cuts& how, std::uint64_t tree_seed,
+               const std::string& stream_name) const {
+    TreeCuts cuts{{candidates_.size(), points_.size(), {}}, std::vector<double>(candidates_.size())};
+    for (std::size_t level = 0; level < candidates_.size(); ++level) {
+      for (const PilotGroup& group : groups_) {
+        LightcutParams rule = make_set_rule(
+            how.ratio, find_radiance_of_step(view_.tone().record, kFloorSteps), group.totals[level],
+            tree_seed, fmt::format("{}.set-pilot-{}-{}", stream_name, how.name, cuts.lit.radiance.size()));
+        rule.neighbours = 0;
+        CutRecord record;
+        const ShadedPoints some = shade_lightcut(scene_.world, group.points, lights,
+                                                 {scene_.materials[group.points.front().surface.material]},
+                                                 {clamps_[level]}, rule, &record);
+        cuts.sizes[level] = std::accumulate(record.sizes.begin(), record.sizes.end(), cuts.sizes[level]);
+        cuts.lit.radiance.insert(cuts.lit.radiance.end(), some.radiance.begin(), some.radiance.end());
+      }
+    }
+    return cuts;
   }
 
-  // Displayed variances of one level at its points: of trees over the same VPLs, and of the sets' means.
+  // Of a channel at a point: half the mean square of what trees of one set differ by.
+  double find_variance_within(const Cuts& cuts, std::size_t level, std::size_t point, std::size_t c) const {
+    double variance = 0;
+    for (std::size_t set = 0; set < kSmallSets; ++set) {
+      const double one = channel_of(at(cuts, kPilotTrees * set, level, point), c),
+                   two = channel_of(at(cuts, kPilotTrees * set + 1, level, point), c);
+      variance += square(one - two) / 2 / kSmallSets;
+    }
+    return variance;
+  }
+
+  // Sizes of one level's cuts, and displayed variances at its points: of trees over the same VPLs, and of the
+  // sets' means.
   void compare(std::size_t level) {
-    double within = 0, between = 0, light = 0;
+    SetCandidate& candidate = candidates_[level];
+    const std::size_t cuts = kSmallSets * kPilotTrees * points_.size();
+    candidate.cut_size = fine_.count_clusters(level) / static_cast<double>(std::max<std::size_t>(1, cuts));
+    candidate.size_exponent = find_exponent(fine_.count_clusters(level), coarse_.count_clusters(level),
+                                            kLeastSizeExponent, kMostSizeExponent);
+    double within = 0, within_coarse = 0, between = 0, light = 0;
     std::vector<double> spreads;
     for (std::size_t point = 0; point < points_.size(); ++point) {
       const std::size_t pixel = points_[point].pixel;
-      std::array<double, 3> inner{}, outer{};
+      std::array<double, 3> inner{}, coarse{}, outer{};
       for (std::size_t c = 0; c < 3; ++c) {
+        inner[c] = find_variance_within(fine_, level, point, c);
+        coarse[c] = find_variance_within(coarse_, level, point, c);
         std::array<double, kSmallSets> means{};
         for (std::size_t set = 0; set < kSmallSets; ++set) {
-          const double one = channel_of(at(kPilotTrees * set, level, point), c),
-                       two = channel_of(at(kPilotTrees * set + 1, level, point), c);
-          inner[c] += square(one - two) / 2 / kSmallSets;
-          means[set] = (one + two) / 2;
+          means[set] = (channel_of(at(fine_, kPilotTrees * set, level, point), c) +
+                        channel_of(at(fine_, kPilotTrees * set + 1, level, point), c)) /
+                       2;
         }
         const double mean = std::accumulate(means.begin(), means.end(), 0.0) / kSmallSets;
         for (const double of_set : means) outer[c] += square(of_set - mean) / (kSmallSets - 1);
       }
       within += square(size_of(pixel, inner));
+      within_coarse += square(size_of(pixel, coarse));
       spreads.push_back(size_of(pixel, outer));
       between += square(spreads.back());
-      light += square(candidates_[level].sizes[pixel]);
+      light += square(candidate.sizes[pixel]);
     }
     if (!(light > 0)) return;
     const double mean_spread = sum_of(spreads) / static_cast<double>(spreads.size());
     if (mean_spread > 0)
-      candidates_[level].p99_over_mean =
-          std::max(candidates_[level].p99_over_mean,
-                   nearest_rank(std::move(spreads), 0.99) / mean_spread / kPercentileOfPilot);
-    candidates_[level].cut_variance = within / light;
-    candidates_[level].vpl_variance =
-        std::max(kLeastOfVpls * between, between - within / kPilotTrees) / light;
+      candidate.p99_over_mean = std::max(
+          candidate.p99_over_mean, nearest_rank(std::move(spreads), 0.99) / mean_spread / kPercentileOfPilot);
+    candidate.cut_variance = within / light;
+    candidate.cut_exponent =
+        find_exponent(within, within_coarse, kLeastVarianceExponent, kMostVarianceExponent);
+    candidate.vpl_variance = std::max(kLeastOfVpls * between, between - within / kPilotTrees) / light;
   }
 
   double size_of(std::size_t pixel, const std::array<double, 3>& variance) const {
     return view_.find_size(pixel, {std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2])});
   }
 
-  const Vec3& at(std::size_t run, std::size_t level, std::size_t point) const {
-    return lit_[run].radiance[lit_[run].index(0, level, point)];
+  static const Vec3& at(const Cuts& cuts, std::size_t tree, std::size_t level, std::size_t point) {
+    const ShadedPoints& lit = cuts.trees[tree].lit;
+    return lit.radiance[lit.index(0, level, point)];
   }
 
   const FamilyScene& scene_;
@@ -176,7 +225,7 @@ class SetPilotTracer {
   std::vector<ShadingPoint> points_;
   std::vector<PilotGroup> groups_;  // of those points
   std::vector<double> clamps_;
-  std::vector<ShadedPoints> lit_;
+  Cuts fine_{kSmallSetsRatio, "rays"}, coarse_{kCoarseRatio, "coarse-rays"};
 };
 
 }  // namespace
@@ -185,9 +234,8 @@ double count_small_set_vpls(const SetTask& task) {
   return std::clamp(kPilotVplsPerPoint * task.points, kFewestPilotVpls, kMostPilotVpls);
 }
 
-SmallSets trace_small_sets(const FamilyScene& scene, const SetTask& task,
-                           std::vector<SetCandidate>& candidates, std::uint64_t seed,
-                           const std::string& stream_name) {
+double trace_small_sets(const FamilyScene& scene, const SetTask& task, std::vector<SetCandidate>& candidates,
+                        std::uint64_t seed, const std::string& stream_name) {
   return SetPilotTracer(scene, task, candidates).trace(count_small_set_vpls(task), seed, stream_name);
 }
 
