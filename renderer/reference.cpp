@@ -17,9 +17,9 @@ constexpr double kPathsForOneStepOutside = 4700;
 
 // Work of compensated VPL sets over that of path tracing, of a black object and more for what its gloss
 // reflects, and of their pilots whatever the object's size. Measured in the café.
-constexpr double kCompensatedShare = 0.037, kShareOfGloss = 0.27, kSetPilots = 2e6;
+constexpr double kCompensatedShare = 0.0274, kShareOfGloss = 0.205, kSetPilots = 3e6;
 // The same of the room, whose sets cost something at every pixel whatever the target.
-constexpr double kCompensatedRoom = 0.12, kRoomSets = 300;
+constexpr double kCompensatedRoom = 0.082, kRoomSets = 204;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;

@@ -34,7 +34,7 @@ struct SetPlan {
   /// W/(m^2 sr)
   HdrImage light;
   /// Displayed errors of compensation, for one path a batch and position, and of the mean of the sets, should
-  /// these err by a fifth more than is foreseen. shape: height x width. units: steps of 255
+  /// these err by a tenth more than is foreseen. shape: height x width. units: steps of 255
   std::vector<double> compensation_errors, set_errors;
 };
 

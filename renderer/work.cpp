@@ -68,7 +68,7 @@ std::vector<std::vector<WorkItem>> fill_runs(const std::vector<WorkItem>& items,
 
 }  // namespace
 
-double cost_of_cut(std::int64_t vpls) { return 50 * std::pow(static_cast<double>(vpls) / 1e5, 0.15); }
+double cost_of_cut(std::int64_t vpls) { return 55 * std::pow(static_cast<double>(vpls) / 1e5, 0.15); }
 
 // Points against all VPLs, and what comes with any.
 double cost_of_measuring(std::int64_t vpls) { return 1.3e6 + 1.15 * static_cast<double>(vpls); }
