@@ -332,14 +332,21 @@ void record_effect(TrialLog& log, std::int64_t session, const SessionEffect& eff
   std::visit(record, effect);
 }
 
-void check_code(const std::string& code, const std::string& source) {
+void check_spelling(const std::string& code, const std::string& source) {
   constexpr std::size_t kLongest = 64;
   const auto may_be = [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_' || c == '.'; };
-  if (has_digit(code) && code.size() <= kLongest && std::all_of(code.begin(), code.end(), may_be)) return;
+  if (!code.empty() && code.size() <= kLongest && std::all_of(code.begin(), code.end(), may_be)) return;
   throw InputError(source, "participant",
                    fmt::format("a code and no name: a digit or more beside letters from a to z, -, _ and ., "
                                "at most {} of them",
                                kLongest),
+                   "\"" + code + "\"");
+}
+
+void check_code(const std::string& code, const std::string& source) {
+  check_spelling(code, source);
+  if (has_digit(code)) return;
+  throw InputError(source, "participant", "a code and no name: a digit or more beside letters",
                    "\"" + code + "\"");
 }
 

@@ -46,6 +46,8 @@ Lane find_lane(const TrialLog* log, const std::optional<Lane>& given);
 /// Of a new participant, that it is a code and no name, and one that file names and tables take.
 /// errors: InputError
 void check_code(const std::string& code, const std::string& source);
+/// The latter alone, of a code that a log has already: older ones may have no digit. errors: InputError
+void check_spelling(const std::string& code, const std::string& source);
 
 /// What all sessions of an experiment and kind in a folder are made from, loaded and checked once.
 struct SessionInputs {

@@ -30,6 +30,7 @@ class Renaming {
     find_log();
     if (!log_) return;
     check_kind();
+    check_digit();
     check_free(ours_);
     for (const LogContent& log : theirs_) check_free(log);
     check_not_withdrawn();
@@ -70,6 +71,12 @@ class Renaming {
                            format_kind(session.row.kind)));
       return;
     }
+  }
+
+  // Of a code that an earlier merge gave too, before codes had one.
+  void check_digit() {
+    if (!has_digit(rename_.new_code) && !has_code(ours_, rename_.new_code))
+      conflict("a new code has a digit or more, so that it is no name");
   }
 
   void check_free(const LogContent& log) {
@@ -125,7 +132,7 @@ Rename parse_rename(const std::string& text) {
   if (at == std::string::npos || at == 0 || text.substr(0, at) == text.substr(at + 1))
     throw InputError("--rename", "", "OLD=NEW, two codes", "\"" + text + "\"");
   const Rename rename{text.substr(0, at), text.substr(at + 1)};
-  check_code(rename.new_code, "--rename");
+  check_spelling(rename.new_code, "--rename");
   return rename;
 }
 

@@ -528,6 +528,7 @@ FamilyLayers trace_object(const FamilyScene& scene, const BackgroundPlan& plan, 
       other.target.object_mean *= addition.target;
       other.target.object_p99 *= addition.target;
       other.stream_name = fmt::format("{}.turn-{}", params.stream_name, turn);
+      if (!layers.sets) other.method = ReferenceMethod::kPath;  // no light of VPLs without a check of it
       progress.expect_more(estimate_object_paths(other, scene.primary));
       add_turn(layers, trace_once(scene, plan, room.layer, other, progress), room.layer, addition.share);
     }

@@ -21,7 +21,7 @@ struct FamilyLayers {
   HdrImage background, direct, indirect, standard_error;
   double paths = 0;  ///< traced for them, without the pilots'; of trace_object for the object alone
   std::optional<SetMeasures> sets = {};  ///< of indirect light by VPL sets and compensation, first turn; its
-                                         ///< regions of all turns
+                                         ///< regions of all turns that were made so
   std::optional<SetMeasures> room = {};  ///< the same of the room
   int room_turns = 1;                    ///< of the room alone: all but the last were thrown away
   std::vector<AddedTurn> added = {};     ///< to the object's first turn

@@ -91,7 +91,7 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
 }
 
 // A room that is made in seconds costs more to keep than to make again. units: paths
-constexpr double kWorthKeeping = 4e5;
+constexpr double kWorthKeeping = 3e5;
 
 // What an interrupted run made of this room.
 RoomStages open_stages(const GroupJob& job, const Primary& primary, const ReferenceParams& params,

@@ -24,7 +24,7 @@ struct RunningPage {
   std::function<bool(const InputEvent&)> read;  ///< whether a key leaves it
   std::int64_t guard_ns = kPageGuardNs;
   bool needs_quiet = false;
-  std::function<void()> prepare = {};  ///< what is to be done to the window, between frames
+  std::function<bool()> prepare = {};  ///< what is to be done to the window, between frames; whether it was
 };
 
 // ImGui moves its frame to another control in the frame after the one that saw the key.
@@ -55,7 +55,10 @@ bool run_page(AppWindow& window, Gui& gui, const RunningPage& page) {
   while (!window.is_closing()) {
     const bool was_key = gui.has_events();
     if (draw_frames(window, gui, page, was_key ? kFramesToMove : 1)) return true;
-    if (page.prepare) page.prepare();
+    if (page.prepare && page.prepare()) {  // what was pressed meanwhile was for the page as it was
+      waiting.clear();
+      open_guard(window, gui, guard, page.guard_ns, page.needs_quiet);
+    }
     window.wait(gui.has_events() || !waiting.empty() ? 0 : kPatienceS);
     for (const InputEvent& event : window.take_events()) {
       escape.read(event);
@@ -106,9 +109,18 @@ Intake ask_questions(AppWindow& window, Gui& gui, const Workplace& work, Intake 
   return intake;
 }
 
-void move_if_wanted(AppWindow& window, Workplace& work, Display& display, SetupForm& form) {
+// After the one that was tried last, so that one that cannot be used stands in no other's way.
+void want_next_monitor(SetupForm& form, const Display& display) {
+  const std::string& last = form.tried_monitor.empty() ? display.monitor_name() : form.tried_monitor;
+  form.wanted_monitor = find_next_monitor(display.list_monitor_names(), last);
+}
+
+// True if it was tried.
+bool move_if_wanted(AppWindow& window, Workplace& work, Display& display, SetupForm& form) {
   const std::string name = std::exchange(form.wanted_monitor, "");
-  if (name.empty() || name == work.facts.monitor) return;
+  if (name.empty()) return false;
+  form.tried_monitor = name;
+  if (name == display.monitor_name() && !window.has_lost_monitor()) return false;
   try {
     change_monitor(work, display, window, name);
     forget_monitor(form);
@@ -116,6 +128,7 @@ void move_if_wanted(AppWindow& window, Workplace& work, Display& display, SetupF
   } catch (const InputError& error) {
     form.error = fmt::format("Monitor {} cannot be used. {}", name, error.what());
   }
+  return true;
 }
 
 }  // namespace
@@ -138,11 +151,10 @@ bool ask_setup(AppWindow& window, Gui& gui, Workplace& work, Display& display) {
   };
   const auto read = [&](const InputEvent& event) {
     if (is_press(event, Key::kF3)) switch_card(form);
-    if (is_press(event, Key::kF5))
-      form.wanted_monitor = find_next_monitor(display.list_monitor_names(), work.facts.monitor);
+    if (is_press(event, Key::kF5)) want_next_monitor(form, display);
     return is_press(event, Key::kEnter) && leave_setup(form);
   };
-  const auto prepare = [&] { move_if_wanted(window, work, display, form); };
+  const auto prepare = [&] { return move_if_wanted(window, work, display, form); };
   const bool is_left = run_page(window, gui, {draw, read, kPageGuardNs, false, prepare});
   set_up(work, read_setup_form(form));
   return is_left;

@@ -46,6 +46,7 @@ struct SetupForm {
   bool was_card_matched = false;    ///< the bar was changed: until then it says nothing of this screen
   bool takes_focus = false;         ///< the next frame puts the keyboard into the first field that is wrong
   std::string wanted_monitor = {};  ///< to which everything is to move; empty: stays
+  std::string tried_monitor = {};   ///< the last one that was wanted
   std::string error = {};           ///< why it did not
 };
 

@@ -17,6 +17,7 @@ namespace equilux {
 namespace {
 
 constexpr double kResizePatienceS = 2;
+constexpr std::int64_t kFollowNs = 10'000'000'000;
 constexpr float kNeutralGrey = 128 / 255.0F;
 
 std::string describe_glfw_error() {
@@ -230,7 +231,7 @@ struct AppWindow::Callbacks {
     const bool is_there = event == GLFW_CONNECTED;
     AppWindow& window = *watching_;
     add_change(window, is_there ? "monitor_connected" : "monitor_disconnected", name);
-    window.is_rearranged_ = true;
+    window.follows_until_ns_ = read_clock_ns() + kFollowNs;
     if (is_there && window.watch_.connect(monitor, name)) window.returned_ = monitor;
     if (is_there || !window.watch_.disconnect(monitor)) return;
     window.monitor_ = window.returned_ = nullptr;
@@ -303,6 +304,25 @@ void AppWindow::check_framebuffer(Size wanted) {
   }
 }
 
+// Two monitors may be of one size.
+void AppWindow::check_place() {
+  const std::int64_t start_ns = read_clock_ns();
+  while (monitor_ && !stands_on_monitor() &&
+         static_cast<double>(read_clock_ns() - start_ns) < kResizePatienceS * 1e9) {
+    glfwWaitEventsTimeout(0.02);
+  }
+  if (monitor_ && stands_on_monitor()) return;
+  throw InputError("screen", "", fmt::format("a window on monitor {}", watch_.name()),
+                   monitor_ ? "one that stays elsewhere" : "none, since it was unplugged");
+}
+
+bool AppWindow::stands_on_monitor() const {
+  int x = 0, y = 0, monitor_x = 0, monitor_y = 0;
+  glfwGetWindowPos(window_, &x, &y);
+  glfwGetMonitorPos(monitor_, &monitor_x, &monitor_y);
+  return x == monitor_x && y == monitor_y;
+}
+
 void AppWindow::resize(Size size) {
   glfwSetWindowSize(window_, size.width, size.height);
   if (monitor_) centre(window_, monitor_, size);
@@ -317,6 +337,7 @@ void AppWindow::move_to(const Display& display, Size plain) {
   if (!fills_monitor_) return resize(plain);
   fill_monitor();
   check_framebuffer(display.size());
+  check_place();
 }
 
 Size AppWindow::framebuffer() const {
@@ -365,13 +386,11 @@ void AppWindow::fill_monitor() {
   is_damaged_ = true;
 }
 
-// Where another monitor came or went, this one may stand elsewhere in the desktop.
+// Where another monitor came or went the desktop may put this one elsewhere, now or somewhat later, and tells
+// nobody.
 void AppWindow::follow_monitor() {
-  if (!std::exchange(is_rearranged_, false) || !monitor_ || !fills_monitor_) return;
-  int x = 0, y = 0, monitor_x = 0, monitor_y = 0;
-  glfwGetWindowPos(window_, &x, &y);
-  glfwGetMonitorPos(monitor_, &monitor_x, &monitor_y);
-  if (x != monitor_x || y != monitor_y) fill_monitor();
+  if (!monitor_ || !fills_monitor_ || read_clock_ns() > follows_until_ns_ || stands_on_monitor()) return;
+  fill_monitor();
 }
 
 void AppWindow::wake() { glfwPostEmptyEvent(); }

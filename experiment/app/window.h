@@ -62,7 +62,7 @@ class AppWindow {
   /// Makes a plain window another size. errors: InputError if it does not become so.
   void resize(Size size);
   /// To the monitor that is chosen now: fills it, or stands in its middle in this size, as the window did
-  /// before. errors: InputError if the framebuffer got is another size.
+  /// before. errors: InputError if the framebuffer got is another size, or the window elsewhere.
   void move_to(const Display& display, Size plain);
   Size framebuffer() const;
 
@@ -97,6 +97,8 @@ class AppWindow {
   struct Callbacks;
   void open(const Display& display, Size size, bool fills_monitor);
   void check_framebuffer(Size wanted);
+  void check_place();
+  bool stands_on_monitor() const;
   void leave_monitor();
   void return_to_monitor();
   void fill_monitor();
@@ -108,8 +110,8 @@ class AppWindow {
   GLFWmonitor* monitor_ = nullptr;   ///< null while it is gone
   GLFWmonitor* returned_ = nullptr;  ///< the same, back since the window was last looked at
   bool fills_monitor_ = false;
-  bool is_displaced_ = false;   ///< its monitor has gone since the window was last looked at
-  bool is_rearranged_ = false;  ///< some monitor came or went since then
+  bool is_displaced_ = false;          ///< its monitor has gone since the window was last looked at
+  std::int64_t follows_until_ns_ = 0;  ///< a while after some monitor came or went
   HeldKeys keys_;
   std::vector<InputEvent> events_;
   std::vector<WindowChange> changes_;

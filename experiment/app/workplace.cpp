@@ -1,6 +1,9 @@
 // From parameters to a session that can begin.
 #include "experiment/app/workplace.h"
 
+#include <fmt/format.h>
+#include <utility>
+
 #include "base/error.h"
 #include "experiment/app/pictures.h"
 #include "experiment/app/screen_facts.h"
@@ -96,25 +99,39 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   return work;
 }
 
+namespace {
+
+// True in `has_moved` once the window may be elsewhere. errors: InputError; then `work` is as it was.
+void use_monitor(Workplace& work, Display& display, AppWindow& window, const std::string& name,
+                 bool& has_moved) {
+  const Size picture = picture_size(work.manifest);
+  display.choose(name);
+  make_layout(display.size(), picture, work.inputs.experiment);
+  has_moved = true;
+  window.move_to(display, choose_window_size(picture, display.size()));
+  const Layout layout = make_layout(window.framebuffer(), picture, work.inputs.experiment);
+  ScreenFacts facts = read_screen_facts(display, window);
+  work.layout = layout;
+  work.facts = std::move(facts);
+}
+
+}  // namespace
+
 void change_monitor(Workplace& work, Display& display, AppWindow& window, const std::string& name) {
   const std::string before = display.monitor_name();
-  const Size picture = picture_size(work.manifest);
   bool has_moved = false;
-  const auto move = [&] {
-    make_layout(display.size(), picture, work.inputs.experiment);
-    has_moved = true;
-    window.move_to(display, choose_window_size(picture, display.size()));
-    work.layout = make_layout(window.framebuffer(), picture, work.inputs.experiment);
-  };
-  display.choose(name);
   try {
-    move();
-  } catch (const InputError&) {
+    use_monitor(work, display, window, name, has_moved);
+  } catch (const InputError& error) {
     display.choose(before);
-    if (has_moved) move();
+    if (!has_moved) throw;
+    try {
+      use_monitor(work, display, window, before, has_moved);
+    } catch (const InputError& other) {
+      throw InputError(fmt::format("{}; back on monitor {}: {}", error.what(), before, other.what()));
+    }
     throw;
   }
-  work.facts = read_screen_facts(display, window);
   set_up(work, {0, 0, work.setup_input.viewing_distance_m});
 }
 

@@ -52,6 +52,7 @@ std::vector<std::string> start_with(const std::filesystem::path& folder) {
           "-nolisten",
           "tcp",
           "-noreset",
+          "-sharevts",
           "-novtswitch"};
 }
 
@@ -68,7 +69,9 @@ std::string name_mode(const PlacedMonitor& monitor) {
 }  // namespace
 
 TwoMonitors::TwoMonitors(const std::filesystem::path& folder)
-    : XDisplay(start_with(folder), kFirstMonitor.width, kFirstMonitor.height) {
+    : XDisplay(start_with(folder), kFirstMonitor.width, kFirstMonitor.height) {}
+
+void TwoMonitors::connect() const {
   arrange({"--output", kFirstMonitor.name, "--primary", "--mode", name_mode(kFirstMonitor)});
   arrange({"--addmode", kSecondMonitor.name, name_mode(kSecondMonitor)});
   plug_in(kFirstMonitor, kSecondMonitor);

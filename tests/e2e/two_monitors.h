@@ -24,6 +24,8 @@ class TwoMonitors : public XDisplay {
  public:
   /// `folder` takes its files. errors: std::runtime_error where this machine does not let it start
   explicit TwoMonitors(const std::filesystem::path& folder);
+  /// Both, for the first time.
+  void connect() const;
 
   void look_at_monitor(const PlacedMonitor& monitor);
   /// The other one then stands at the desktop's beginning.

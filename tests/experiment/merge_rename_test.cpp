@@ -87,6 +87,17 @@ TEST_F(MergeRename, TellsTwoPersonsOfOneCodeApartAndKeepsTheFirstCode) {
   EXPECT_EQ(load_codes(first_), (Rows{{"P01", "1", "-"}})) << "the station's own log stays as it is";
 }
 
+// Which an earlier merge may have given all the same.
+TEST_F(MergeRename, TakesANameForNoNewCode) {
+  const Rename to_name{"P01", "anna"};
+  add(ours_, "P01", 0);
+  add(first_, "P01", 1);
+  EXPECT_THAT(conflict_with({first_}, {to_name}), HasSubstr("a new code has a digit or more"));
+  merge({first_}, {kRename});
+  RawDatabase(ours_).query("UPDATE participant SET code = 'anna' WHERE code = 'P01b'");
+  expect_unchanged_by({first_}, {to_name});
+}
+
 TEST_F(MergeRename, OnceMoreChangesNothingWithTheOptionOrWithout) {
   merge_renamed();
   expect_unchanged_by({first_}, {kRename});
