@@ -5,8 +5,8 @@
 #include <cmath>
 #include <fmt/format.h>
 
-#include "base/error.h"
 #include "renderer/room_format.h"
+#include "renderer/turns.h"
 
 namespace equilux {
 namespace {
@@ -354,7 +354,6 @@ FamilyLayers trace_by_paths(const FamilyScene& scene, const PathMaps& maps, Trac
 // the target by its own estimate of error, which bright rare paths raise; where another is added they lose
 // some of their weight.
 constexpr int kMostTurns = 4;
-constexpr double kTurnMargin = 1.1;
 // The room's mean error is known from many pixels.
 constexpr double kRoomTurnMargin = 1.03;
 
@@ -370,78 +369,6 @@ Miss find_miss(const FamilyLayers& layers, const HdrImage& coverage, const Refer
   const NoiseTarget& target = params.target;
   return {std::max(noise.object_mean / target.object_mean, noise.object_p99 / target.object_p99),
           noise.outside_mean / target.outside_mean};
-}
-
-// Each with its standard error: the sum's, with another room in it.
-void exchange_room(FamilyLayers& layers, const TracedLayer& before, const TracedLayer& after) {
-  layers.background = after.mean;
-  for (std::size_t i = 0; i < layers.standard_error.values.size(); ++i) {
-    const double all = layers.standard_error.values[i], old = before.standard_error.values[i],
-                 now = after.standard_error.values[i];
-    layers.standard_error.values[i] =
-        static_cast<float>(std::sqrt(std::max(0.0, all * all - old * old) + now * now));
-  }
-}
-
-// A target for a rendering to be added, over the whole's, and its weight, such that the mean of both errs by
-// as much less than the target as the margin says: weights go by one over variance, as far as it is foreseen.
-struct Addition {
-  double target = 1, share = 1;
-};
-
-Addition find_addition(double miss) {
-  const double wanted = kTurnMargin * kTurnMargin, more = wanted - 1 / (miss * miss);
-  return {1 / std::sqrt(more), more / wanted};
-}
-
-float mix(float first, float second, double share) {
-  return static_cast<float>((1 - share) * first + share * second);
-}
-
-void mix_images(HdrImage& image, const HdrImage& other, double share) {
-  for (std::size_t i = 0; i < image.values.size(); ++i)
-    image.values[i] = mix(image.values[i], other.values[i], share);
-}
-
-double find_mixed_error(double first, double second, double share) {
-  return std::hypot((1 - share) * first, share * second);
-}
-
-void mix_light(RegionLight& light, const RegionLight& other, double share) {
-  light.mean += share * (other.mean - light.mean);
-  light.standard_error = find_mixed_error(light.standard_error, other.standard_error, share);
-}
-
-// Their regions are the same, since the pilots see the same pixels.
-void mix_regions(std::vector<RegionCheck>& regions, const std::vector<RegionCheck>& others, double share) {
-  EQ_CHECK(regions.size() == others.size(), regions.size(), others.size());
-  for (std::size_t i = 0; i < regions.size(); ++i) {
-    mix_light(regions[i].light, others[i].light, share);
-    mix_light(regions[i].traced, others[i].traced, share);
-  }
-}
-
-// Each errs by itself, but for the room, which both have.
-void mix_standard_errors(HdrImage& image, const HdrImage& other, const HdrImage& room, double share) {
-  const auto of_object = [](double all, double room_alone) {
-    return std::sqrt(std::max(0.0, all * all - room_alone * room_alone));
-  };
-  for (std::size_t i = 0; i < image.values.size(); ++i) {
-    const double beside = room.values[i];
-    const double object =
-        find_mixed_error(of_object(image.values[i], beside), of_object(other.values[i], beside), share);
-    image.values[i] = static_cast<float>(std::hypot(object, beside));
-  }
-}
-
-// An independent rendering beside the same room.
-void add_turn(FamilyLayers& layers, FamilyLayers other, const TracedLayer& room, double share) {
-  mix_images(layers.direct, other.direct, share);
-  mix_images(layers.indirect, other.indirect, share);
-  mix_standard_errors(layers.standard_error, other.standard_error, room.standard_error, share);
-  if (layers.sets && other.sets) mix_regions(layers.sets->regions, other.sets->regions, share);
-  layers.paths += other.paths;
-  layers.added.push_back({share, other.paths, std::move(other.sets)});
 }
 
 void scale_map(PathMap& map, double scale, std::uint32_t most) {

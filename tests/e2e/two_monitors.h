@@ -22,7 +22,8 @@ inline constexpr int kDesktopWidth = 2304, kDesktopHeight = 1024;
 /// Xorg with its driver of monitors that are none, without a window manager. Looks at the first monitor.
 class TwoMonitors : public XDisplay {
  public:
-  /// `folder` takes its files. errors: std::runtime_error where this machine does not let it start
+  /// `folder` takes its files. errors: std::runtime_error where it does not start; it needs neither root nor
+  /// a terminal of its own
   explicit TwoMonitors(const std::filesystem::path& folder);
   /// Both, for the first time.
   void connect() const;

@@ -25,14 +25,7 @@ constexpr ScreenPlan kFirstPlan{280, 210, {224, 429}, {520, 429}, {372, 129}, 33
 
 class TwoMonitorsTest : public AppTest {
  protected:
-  void SetUp() override {
-    try {
-      display_.emplace(folder_.path());
-    } catch (const std::runtime_error& error) {
-      GTEST_SKIP() << "no X server with two monitors starts here: " << error.what();
-    }
-    display_->connect();
-  }
+  TwoMonitorsTest() { display_.connect(); }
 
   static std::vector<std::string> with(std::vector<std::string> arguments,
                                        const std::vector<std::string>& more) {
@@ -62,39 +55,48 @@ class TwoMonitorsTest : public AppTest {
     session.wait_for_page("two-instructions");
     if (HasFatalFailure()) return {};
     const auto trials = session.load_trials(id);
-    display_->type_key("space");
+    display_.type_key("space");
     answer_all(session, trials, 0, number);
     if (HasFatalFailure()) return {};
     session.wait_for_trial(trials[static_cast<std::size_t>(number)], "two-trial");
     return trials;
   }
+  // An artifact session of P01, on the monitor that is looked at.
+  WatchedSession& start(const StudyFolder& folder, const ScreenPlan& plan,
+                        const std::vector<std::string>& more) {
+    session_.reset();
+    return session_.emplace(display_, folder, plan, with(arguments_for(folder, "artifact"), more));
+  }
+  WatchedSession& start_on_second(const StudyFolder& folder, const ScreenPlan& plan = kSmallPlan,
+                                  const std::vector<std::string>& more = {}) {
+    display_.look_at_monitor(kSecondMonitor);
+    return start(folder, plan, with({"--monitor", "DUMMY1"}, more));
+  }
   static ScreenRecord load_screen(const StudyFolder& folder) {
     return TrialLog(folder.responses()).load_sessions().back().screen;
   }
 
-  std::optional<TwoMonitors> display_;
+  TwoMonitors display_{folder_.path()};
+  std::optional<WatchedSession> session_;
 };
 
 TEST_F(TwoMonitorsTest, ASessionFillsTheMonitorOfThatName) {
   const StudyFolder folder = make_study(kSmallPlan);
-  const LdrImage first = display_->take_screenshot();
-  display_->look_at_monitor(kSecondMonitor);
-  WatchedSession session(*display_, folder, kSmallPlan,
-                         with(arguments_for(folder, "artifact"), {"--monitor", "DUMMY1"}));
+  const LdrImage first = display_.take_screenshot();
+  WatchedSession& session = start_on_second(folder);
   go_to_trial(session, 1);
   ASSERT_FALSE(HasFatalFailure());
   const ScreenRecord screen = load_screen(folder);
   EXPECT_EQ(screen.monitor, "DUMMY1");
   EXPECT_EQ(screen.framebuffer_width, 1280);
   EXPECT_EQ(screen.framebuffer_height, 1024);
-  display_->look_at_monitor(kFirstMonitor);
-  EXPECT_TRUE(display_->take_screenshot() == first) << "the other monitor shows what it did";
+  display_.look_at_monitor(kFirstMonitor);
+  EXPECT_TRUE(display_.take_screenshot() == first) << "the other monitor shows what it did";
 }
 
 TEST_F(TwoMonitorsTest, ANameThatNoMonitorHasIsRefusedWithThoseThereAre) {
   const StudyFolder folder = make_study(kSmallPlan);
-  WatchedSession session(*display_, folder, kSmallPlan,
-                         with(arguments_for(folder, "artifact"), {"--monitor", "DUMMY7"}));
+  WatchedSession& session = start(folder, kSmallPlan, {"--monitor", "DUMMY7"});
   EXPECT_EQ(session.program().wait(), 1);
   EXPECT_THAT(session.program().read_output(), AllOf(HasSubstr("DUMMY0, DUMMY1"), HasSubstr("DUMMY7")));
 }
@@ -102,18 +104,17 @@ TEST_F(TwoMonitorsTest, ANameThatNoMonitorHasIsRefusedWithThoseThereAre) {
 // What was measured on the first monitor is not believed of the second.
 TEST_F(TwoMonitorsTest, TheSetUpScreenMovesEverythingToTheNextMonitor) {
   const StudyFolder folder = make_study(kSmallPlan);
-  WatchedSession session(*display_, folder, kSmallPlan,
-                         with(arguments_for(folder, "artifact"), {"--setup", "--diagonal", "13"}));
+  WatchedSession& session = start(folder, kSmallPlan, {"--setup", "--diagonal", "13"});
   session.wait_for_page("two-setup-first");
   ASSERT_FALSE(HasFatalFailure());
-  display_->look_at_monitor(kSecondMonitor);
-  display_->type_key("F5");
-  display_->type_key("Return");  // for the page as it was
+  display_.look_at_monitor(kSecondMonitor);
+  display_.type_key("F5");
+  display_.type_key("Return");  // for the page as it was
   session.wait_for_error("two-setup-second");
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_FALSE(session.has_changed());
   EXPECT_FALSE(std::filesystem::exists(folder.responses()));
-  display_->type_key("Return");
+  display_.type_key("Return");
   go_to_trial(session, 1);
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_EQ(load_screen(folder).monitor, "DUMMY1");
@@ -130,16 +131,14 @@ TEST_F(TwoMonitorsTest, TheSetUpScreenMovesEverythingToTheNextMonitor) {
 
 TEST_F(TwoMonitorsTest, AMonitorThatIsTooSmallIsNotMovedTo) {
   const StudyFolder folder = make_study(kPaperPlan);
-  display_->look_at_monitor(kSecondMonitor);
-  WatchedSession session(*display_, folder, kPaperPlan,
-                         with(arguments_for(folder, "artifact"), {"--setup", "--monitor", "DUMMY1"}));
+  WatchedSession& session = start_on_second(folder, kPaperPlan, {"--setup"});
   session.wait_for_error("");
   ASSERT_FALSE(HasFatalFailure());
-  display_->type_key("F5");
+  display_.type_key("F5");
   session.wait_for_error("two-setup-too-small");
   ASSERT_FALSE(HasFatalFailure());
-  display_->type_key("F5");  // round to the one that is used
-  display_->type_key("Return");
+  display_.type_key("F5");  // round to the one that is used
+  display_.type_key("Return");
   go_to_trial(session, 1);
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_EQ(load_screen(folder).monitor, "DUMMY1");
@@ -148,10 +147,8 @@ TEST_F(TwoMonitorsTest, AMonitorThatIsTooSmallIsNotMovedTo) {
 // As by a calibration or a night mode, on this monitor alone.
 TEST_F(TwoMonitorsTest, AChangedGammaRampIsToldAndKeptWithItsCurve) {
   const StudyFolder folder = make_study(kSmallPlan);
-  display_->set_gamma(kSecondMonitor, "1:1:0.5");
-  display_->look_at_monitor(kSecondMonitor);
-  WatchedSession session(*display_, folder, kSmallPlan,
-                         with(arguments_for(folder, "artifact"), {"--monitor", "DUMMY1"}));
+  display_.set_gamma(kSecondMonitor, "1:1:0.5");
+  WatchedSession& session = start_on_second(folder);
   go_to_trial(session, 1);
   ASSERT_FALSE(HasFatalFailure());
   const auto fields =
@@ -173,25 +170,23 @@ TEST_F(TwoMonitorsTest, AChangedGammaRampIsToldAndKeptWithItsCurve) {
 // follow.
 TEST_F(TwoMonitorsTest, TheOtherMonitorMayGoAndComeDuringASession) {
   const StudyFolder folder = make_study(kSmallPlan);
-  display_->look_at_monitor(kSecondMonitor);
-  WatchedSession session(*display_, folder, kSmallPlan,
-                         with(arguments_for(folder, "artifact"), {"--monitor", "DUMMY1"}));
+  WatchedSession& session = start_on_second(folder);
   const auto trials = go_to_trial(session, 1);
   ASSERT_FALSE(HasFatalFailure());
-  display_->unplug(kFirstMonitor);
+  display_.unplug(kFirstMonitor);
   wait_for_change(folder, "monitor_disconnected DUMMY0");
   ASSERT_FALSE(HasFatalFailure());
   PlacedMonitor alone = kSecondMonitor;
   alone.x = 0;
-  display_->look_at_monitor(alone);
+  display_.look_at_monitor(alone);
   session.wait_for_trial(trials[1], "two-alone");
   ASSERT_FALSE(HasFatalFailure());
   session.answer_by_click(choose_side(1));
   session.wait_for_trial(trials[2]);
   ASSERT_FALSE(HasFatalFailure());
 
-  display_->plug_in(kFirstMonitor, kSecondMonitor);
-  display_->look_at_monitor(kSecondMonitor);
+  display_.plug_in(kFirstMonitor, kSecondMonitor);
+  display_.look_at_monitor(kSecondMonitor);
   wait_for_change(folder, "monitor_connected DUMMY0");
   ASSERT_FALSE(HasFatalFailure());
   session.wait_for_trial(trials[2], "two-again");
@@ -204,21 +199,19 @@ TEST_F(TwoMonitorsTest, TheOtherMonitorMayGoAndComeDuringASession) {
 
 TEST_F(TwoMonitorsTest, TheMonitorOfASessionMayGoAndComeBack) {
   const StudyFolder folder = make_study(kSmallPlan);
-  display_->look_at_monitor(kSecondMonitor);
-  WatchedSession session(*display_, folder, kSmallPlan,
-                         with(arguments_for(folder, "artifact"), {"--monitor", "DUMMY1"}));
+  WatchedSession& session = start_on_second(folder);
   const auto trials = go_to_trial(session, 2);
   ASSERT_FALSE(HasFatalFailure());
-  display_->unplug(kSecondMonitor);
+  display_.unplug(kSecondMonitor);
   wait_for_change(folder, "pause ");
   ASSERT_FALSE(HasFatalFailure());
   session.answer_by_key(Side::kLeft);
-  display_->plug_in(kFirstMonitor, kSecondMonitor);
+  display_.plug_in(kFirstMonitor, kSecondMonitor);
   wait_for_change(folder, "monitor_connected DUMMY1");
   ASSERT_FALSE(HasFatalFailure());
   session.wait_for_page("two-back");
   ASSERT_FALSE(HasFatalFailure());
-  display_->type_key("F1");
+  display_.type_key("F1");
   session.wait_for_trial(trials[2]);
   ASSERT_FALSE(HasFatalFailure());
   EXPECT_EQ(session.count_answers(1), 2);
@@ -227,23 +220,19 @@ TEST_F(TwoMonitorsTest, TheMonitorOfASessionMayGoAndComeBack) {
 // Laid out on the smaller one, where it is the only one that is left.
 TEST_F(TwoMonitorsTest, ASessionMayGoOnWithTheOtherMonitorInASittingOfItsOwn) {
   const StudyFolder folder = make_study(kSmallPlan);
-  display_->look_at_monitor(kSecondMonitor);
-  {
-    WatchedSession session(*display_, folder, kSmallPlan,
-                           with(arguments_for(folder, "artifact"), {"--monitor", "DUMMY1"}));
-    go_to_trial(session, 1);
-    ASSERT_FALSE(HasFatalFailure());
-    display_->unplug(kSecondMonitor);
-    wait_for_change(folder, "pause ");
-    ASSERT_FALSE(HasFatalFailure());
-    display_->close_windows();
-    EXPECT_EQ(session.program().wait(), 0);
-  }
-  display_->look_at_monitor(kFirstMonitor);
-  WatchedSession session(*display_, folder, kFirstPlan, arguments_for(folder, "artifact"));
+  WatchedSession& first = start_on_second(folder);
+  go_to_trial(first, 1);
+  ASSERT_FALSE(HasFatalFailure());
+  display_.unplug(kSecondMonitor);
+  wait_for_change(folder, "pause ");
+  ASSERT_FALSE(HasFatalFailure());
+  display_.close_windows();
+  EXPECT_EQ(first.program().wait(), 0);
+  display_.look_at_monitor(kFirstMonitor);
+  WatchedSession& session = start(folder, kFirstPlan, {});
   session.wait_for_page("");
   ASSERT_FALSE(HasFatalFailure());
-  display_->type_key("space");
+  display_.type_key("space");
   session.wait_for_trial(session.load_trials(1)[1]);
 }
 
