@@ -100,9 +100,7 @@ class SetMaker {
     check_folders();
     make_folder(folder_.root);
     const StudyFolder own = params_.job ? open_share() : folder_;
-    make_folder(own.root);
-    const FolderLock lock(own.root);
-    check_not_busy(lock, own.root);
+    const auto lock = lock_folder(own.root, params_.patience);
     prepare_folder(own, study_);
     LayerStore store(own, study_);
     if (!params_.job) {
@@ -226,8 +224,7 @@ SetSummary make_set(const SetParams& params) { return SetMaker(params).make(); }
 SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const StudyFolder folder{root};
   const Study study = load_folder_study(folder);
-  const FolderLock lock(root);
-  check_not_busy(lock, root);
+  const auto lock = lock_folder(root);
   remove_verdict(folder);
   const LayerStore store(folder, study);
   SetSummary summary;

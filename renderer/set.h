@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/folder_lock.h"
 #include "protocols/study.h"
 #include "renderer/cut_error.h"
 #include "renderer/jobs.h"
@@ -21,6 +22,7 @@ struct SetParams {
   std::optional<JobShare> job = {};               ///< this share alone, into a folder of its own; no pictures
   std::vector<std::filesystem::path> reuse = {};  ///< study folders whose layers may be taken over
   bool render = true;                             ///< false: only gather, and refuse what is still missing
+  std::chrono::milliseconds patience = kLockPatience;  ///< with a folder that somebody else writes
 };
 
 /// What a run did. units: s

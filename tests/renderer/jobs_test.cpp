@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>
+#include <thread>
 #include <unistd.h>
 
 #include "base/error.h"
@@ -202,9 +203,26 @@ TEST(Set, ThatAnotherProcessWritesIsRefused) {
   const FolderLock lock(study.folder() / "set");
   EXPECT_FALSE(lock.is_busy());
   EXPECT_TRUE(FolderLock(study.folder() / "set").is_busy());
-  EXPECT_THAT(message_of<InputError>([&] { make_set(params_of(study, "set")); }),
-              HasSubstr("expected a folder that nobody else writes"));
+  SetParams params = params_of(study, "set");
+  params.patience = std::chrono::milliseconds(0);
+  EXPECT_THAT(message_of<InputError>([&] { make_set(params); }),
+              AllOf(HasSubstr("expected a folder that nobody else writes"),
+                    HasSubstr(fmt::format("process {} on ", ::getpid()))));
   EXPECT_FALSE(path_exists(study.folder() / "set/study.json"));
+}
+
+// Who submits or gathers holds the lock of a share for an instant, to see whether it is free.
+TEST(Jobs, WaitForTheLockOfAShareThatIsOnlyLookedAt) {
+  const test::TinyStudy study;
+  const fs::path share = study.folder() / "set/jobs/50-of-50";
+  fs::create_directories(share);
+  auto look = std::make_unique<FolderLock>(share);
+  std::thread end([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // set is there after half of it
+    look.reset();
+  });
+  EXPECT_NO_THROW(render_share(study, "set", 50, 50)) << "which has no work";
+  end.join();
 }
 
 // Full at 300 bytes (the first text), 2,500 (the first layer) and 20,000 (layers.json, after a family): at
