@@ -15,7 +15,7 @@ namespace equilux {
 namespace {
 namespace fs = std::filesystem;
 
-// Of shares whose layers are all in the set, and that are about to be removed.
+// Of shares whose layers are all in the set, and that are to be removed.
 constexpr const char* kDone = ".done-";
 
 bool is_share(const std::string& name) {
@@ -38,12 +38,6 @@ std::vector<fs::path> list_folders(const fs::path& parent) {
   return folders;
 }
 
-void remove_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::remove_all(folder, error);
-  if (error) throw StoreError(fmt::format("{}: cannot remove: {}", folder.string(), error.message()));
-}
-
 // The first layer of a share that the set does not have as it would be made today; empty if it has them all.
 std::string find_lacking(const std::map<std::string, std::string>& recipes, LayerStore& store,
                          const LayerStore& share) {
@@ -55,44 +49,85 @@ std::string find_lacking(const std::map<std::string, std::string>& recipes, Laye
   return "";
 }
 
+// A share's folder from which all was taken, under a name that no share has; there may be others of it.
+fs::path find_done_name(const fs::path& share) {
+  const std::string name = kDone + share.filename().string();
+  fs::path done = share.parent_path() / name;
+  for (int count = 2; path_exists(done); ++count)
+    done = share.parent_path() / fmt::format("{}.{}", name, count);
+  return done;
+}
+
 // Under another name first: a run that is killed here neither gathers it again nor counts its times twice.
-void retire_share(const StudyFolder& folder, const StudyFolder& share) {
-  const fs::path done = folder.jobs() / (kDone + share.root.filename().string());
+// What is in it is removed by whoever lets go of its lock: NFS keeps the names of files that are open.
+fs::path retire_share(const StudyFolder& folder, const StudyFolder& share) {
+  const fs::path done = find_done_name(share.root);
   std::error_code error;
   fs::rename(share.root, done, error);
   if (error) throw StoreError(fmt::format("{}: cannot rename: {}", share.root.string(), error.message()));
   join_timing(folder, {done});
-  remove_folder(done);
+  return done;
 }
 
-// A share that nobody writes any more. Gives a warning where it must stay.
-std::string gather_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
-                         const std::map<std::string, std::string>& recipes, LayerStore& store) {
-  if (!path_exists(share.layers())) return share.layers().string() + ": not there; the share was left alone";
+// Nothing is lost with a folder that stays: the next gathering tries again.
+void remove_done(const fs::path& done, std::vector<std::string>& warnings) {
+  std::error_code error;
+  fs::remove_all(done, error);
+  if (error)
+    warnings.push_back(
+        fmt::format("{}: cannot remove: {}; all that it held is in the set, and gathering again "
+                    "removes it",
+                    done.string(), error.message()));
+}
+
+// What became of a share: retired, its folder has another name and is to be removed; else a warning says why
+// it stays.
+struct GatheredShare {
+  fs::path done;
+  std::string warning;
+};
+
+// A share that nobody writes any more.
+GatheredShare gather_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
+                           const std::map<std::string, std::string>& recipes, LayerStore& store) {
+  if (!path_exists(share.layers()))
+    return {{}, share.layers().string() + ": not there; the share was left alone"};
   LayerStore rendered(share, study);
   adopt_layers(recipes, store, rendered);
   store.save_record();
   const std::string lacking = find_lacking(recipes, store, rendered);
   if (!lacking.empty())
-    return fmt::format(
-        "{}: {} is damaged or made from another study, scene or estimator; the share is kept, "
-        "`set --job` makes it anew",
-        share.root.string(), lacking);
+    return {
+        {},
+        fmt::format("{}: {} is damaged or made from another study, scene or estimator; the share is kept, "
+                    "`set --job` makes it anew",
+                    share.root.string(), lacking)};
   load_timing(share);  // damaged, it is said before the share is retired
-  retire_share(folder, share);
-  return "";
+  return {retire_share(folder, share), ""};
 }
 
-// What is damaged in one share keeps no other from being gathered.
-std::string try_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
-                      const std::map<std::string, std::string>& recipes, LayerStore& store) {
+// Whoever waits for the lock of a share that was retired finds its folder moved.
+GatheredShare lock_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
+                         const std::map<std::string, std::string>& recipes, LayerStore& store) {
   const FolderLock lock(share.root);
-  if (lock.is_busy()) return share.root.string() + ": still being rendered, not gathered";
+  if (!lock.is_busy()) return gather_share(folder, share, study, recipes, store);
+  const std::string by = lock.holder().empty() ? "" : " by " + lock.holder();
+  return {{}, fmt::format("{}: still being rendered{}, not gathered", share.root.string(), by)};
+}
+
+// What is damaged in one share, or cannot be written of it, keeps no other from being gathered.
+void try_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
+               const std::map<std::string, std::string>& recipes, LayerStore& store,
+               std::vector<std::string>& warnings) {
   try {
-    return gather_share(folder, share, study, recipes, store);
+    const GatheredShare gathered = lock_share(folder, share, study, recipes, store);
+    if (!gathered.warning.empty()) warnings.push_back(gathered.warning);
+    if (!gathered.done.empty()) remove_done(gathered.done, warnings);
   } catch (const InputError& error) {
-    return fmt::format("{}; the share was left alone: where it cannot be mended, remove {}", error.what(),
-                       share.root.string());
+    warnings.push_back(fmt::format("{}; the share was left alone: where it cannot be mended, remove {}",
+                                   error.what(), share.root.string()));
+  } catch (const StoreError& error) {
+    warnings.push_back(fmt::format("{}; {} was not gathered", error.what(), share.root.string()));
   }
 }
 
@@ -190,16 +225,15 @@ std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& stu
                                      LayerStore& store) {
   std::vector<std::string> warnings;
   for (const fs::path& done : list_folders(folder.jobs())) {
-    if (done.filename().string().starts_with(kDone)) remove_folder(done);
+    if (done.filename().string().starts_with(kDone)) remove_done(done, warnings);
   }
-  if (!has_shares(folder)) return warnings;
-  const Wanted all = enumerate_wanted(study, "*");
-  const auto layers = list_layers(make_recipes(study, scene, all), all);
-  check_unchanged(folder, layers, store);
-  for (const fs::path& share : list_folders(folder.jobs())) {
-    if (!is_share(share.filename().string())) continue;
-    std::string warning = try_share(folder, {share}, study, layers, store);
-    if (!warning.empty()) warnings.push_back(std::move(warning));
+  if (has_shares(folder)) {
+    const Wanted all = enumerate_wanted(study, "*");
+    const auto layers = list_layers(make_recipes(study, scene, all), all);
+    check_unchanged(folder, layers, store);
+    for (const fs::path& share : list_folders(folder.jobs())) {
+      if (is_share(share.filename().string())) try_share(folder, {share}, study, layers, store, warnings);
+    }
   }
   std::error_code not_empty;
   fs::remove(folder.jobs(), not_empty);

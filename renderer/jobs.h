@@ -46,8 +46,9 @@ void check_unchanged(const StudyFolder& folder, const std::map<std::string, std:
 bool has_shares(const StudyFolder& folder);
 
 /// Takes over what shares have left in the folder, and removes those folders of which nothing remains that
-/// the set lacks. Gives warnings: of shares that are still being rendered, damaged, or made from something
-/// else. errors: StoreError; InputError for what the scene lacks, and where a set that was shown would change
+/// the set lacks. Gives warnings: of shares that are still being rendered, damaged, made from something else,
+/// or cannot be read, written or removed. errors: InputError for what the scene lacks, and where a set that
+/// was shown would change
 std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& study, const Scene& scene,
                                      LayerStore& store);
 

@@ -135,7 +135,8 @@ TEST(Jobs, LeaveAShareAloneThatIsBeingRendered) {
   SetParams params = params_of(study, "set");
   const SetSummary summary = make_set(params);
   ASSERT_EQ(summary.warnings.size(), 1u);
-  EXPECT_THAT(summary.warnings[0], HasSubstr("still being rendered"));
+  EXPECT_THAT(summary.warnings[0],
+              HasSubstr(fmt::format("still being rendered by process {} on ", ::getpid())));
   EXPECT_EQ(summary.layers_adopted, 0u);
   EXPECT_TRUE(path_exists(folder / "layers.json"));
   SubmitParams submit;
