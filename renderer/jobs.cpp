@@ -84,26 +84,29 @@ void remove_done(const fs::path& done, std::vector<std::string>& warnings) {
 // it stays.
 struct GatheredShare {
   fs::path done;
-  std::string warning;
+  std::vector<std::string> warnings;
 };
 
 // A share that nobody writes any more.
 GatheredShare gather_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
                            const std::map<std::string, std::string>& recipes, LayerStore& store) {
   if (!path_exists(share.layers()))
-    return {{}, share.layers().string() + ": not there; the share was left alone"};
+    return {{}, {share.layers().string() + ": not there; the share was left alone"}};
   LayerStore rendered(share, study);
   adopt_layers(recipes, store, rendered);
   store.save_record();
+  GatheredShare gathered{{}, rendered.warnings()};
   const std::string lacking = find_lacking(recipes, store, rendered);
-  if (!lacking.empty())
-    return {
-        {},
+  if (!lacking.empty()) {
+    gathered.warnings.push_back(
         fmt::format("{}: {} is damaged or made from another study, scene or estimator; the share is kept, "
                     "`set --job` makes it anew",
-                    share.root.string(), lacking)};
+                    share.root.string(), lacking));
+    return gathered;
+  }
   load_timing(share);  // damaged, it is said before the share is retired
-  return {retire_share(folder, share), ""};
+  gathered.done = retire_share(folder, share);
+  return gathered;
 }
 
 // Whoever waits for the lock of a share that was retired finds its folder moved.
@@ -112,7 +115,7 @@ GatheredShare lock_share(const StudyFolder& folder, const StudyFolder& share, co
   const FolderLock lock(share.root);
   if (!lock.is_busy()) return gather_share(folder, share, study, recipes, store);
   const std::string by = lock.holder().empty() ? "" : " by " + lock.holder();
-  return {{}, fmt::format("{}: still being rendered{}, not gathered", share.root.string(), by)};
+  return {{}, {fmt::format("{}: still being rendered{}, not gathered", share.root.string(), by)}};
 }
 
 // What is damaged in one share, or cannot be written of it, keeps no other from being gathered.
@@ -121,7 +124,7 @@ void try_share(const StudyFolder& folder, const StudyFolder& share, const Study&
                std::vector<std::string>& warnings) {
   try {
     const GatheredShare gathered = lock_share(folder, share, study, recipes, store);
-    if (!gathered.warning.empty()) warnings.push_back(gathered.warning);
+    warnings.insert(warnings.end(), gathered.warnings.begin(), gathered.warnings.end());
     if (!gathered.done.empty()) remove_done(gathered.done, warnings);
   } catch (const InputError& error) {
     warnings.push_back(fmt::format("{}; the share was left alone: where it cannot be mended, remove {}",

@@ -56,10 +56,25 @@ bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
   const auto found = layers_.by_name.find(name);
   if (found == layers_.by_name.end() || found->second.made_from != recipe) return false;
   if (whole_.contains(name)) return true;
-  const fs::path path = folder_.root / found->second.file;
-  if (!is_file(path) || digest_file(path) != found->second.digest) return false;
+  if (!has_digest(name, found->second)) return false;
   whole_.insert(name);
   return true;
+}
+
+bool LayerStore::has_digest(const std::string& name, const LayerRecord& layer) {
+  const fs::path path = folder_.root / layer.file;
+  try {  // the boundary to making it again
+    return is_file(path) && digest_file(path) == layer.digest;
+  } catch (const InputError& error) {
+    unreadable_[name] = error.what();
+    return false;
+  }
+}
+
+std::vector<std::string> LayerStore::warnings() const {
+  std::vector<std::string> warnings;
+  for (const auto& [name, why] : unreadable_) warnings.push_back(why + "; the layer counts as missing");
+  return warnings;
 }
 
 bool LayerStore::is_other(const std::string& name, const std::string& recipe) const {

@@ -1,8 +1,10 @@
 // The layers of a study folder: which are whole, and writing the others.
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "stimuli/exr_file.h"
 #include "stimuli/layers.h"
@@ -23,7 +25,7 @@ class LayerStore {
   LayerStore(StudyFolder folder, const Study& study);
 
   /// True if the layer is on disk as recorded and was made from this recipe. Its file is
-  /// read, the first time, to check its digest.
+  /// read, the first time, to check its digest; of one that cannot be read there is a warning.
   bool is_whole(const std::string& name, const std::string& recipe);
 
   /// True if a layer of this name is recorded with another recipe.
@@ -48,11 +50,17 @@ class LayerStore {
   HdrImage load(const std::string& name) const;
   const LayerRecord& record(const std::string& name) const;
 
+  /// Of layers whose files could not be read, which count as missing.
+  std::vector<std::string> warnings() const;
+
  private:
+  bool has_digest(const std::string& name, const LayerRecord& layer);
+
   StudyFolder folder_;
   int width_, height_;
   Layers layers_;
-  std::set<std::string> whole_;  // whose files were read
+  std::set<std::string> whole_;                    // whose files were read
+  std::map<std::string, std::string> unreadable_;  // why, by layer
 };
 
 }  // namespace equilux

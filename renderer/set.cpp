@@ -160,12 +160,18 @@ class SetMaker {
     if (!path_exists(other.layers())) return;
     LayerStore from(other, study_);
     summary_.layers_adopted += adopt_layers(list_layers(recipes_, wanted_), store, from);
+    warn(from.warnings());
+  }
+
+  void warn(const std::vector<std::string>& warnings) {
+    summary_.warnings.insert(summary_.warnings.end(), warnings.begin(), warnings.end());
   }
 
   void complete_layers(const StudyFolder& own, LayerStore& store) {
     if (params_.job) adopt_from(folder_.root, store);
     for (const fs::path& other : params_.reuse) adopt_from(other, store);
     const Wanted missing = find_missing(recipes_, wanted_, store);
+    warn(store.warnings());
     if (!missing.empty()) {
       if (!params_.render) refuse_gaps(missing);
       render_missing(own, missing, store);
