@@ -49,6 +49,31 @@ LayerStore::LayerStore(StudyFolder folder, const Study& study)
   layers_.study_name = study.name;
   layers_.study_digest = study.digest;
   layers_.seed = study.seed;
+  pending_ = layers_;
+  pending_.by_name.clear();
+  take_up_pending();
+}
+
+// Each is recorded before its file has its name, so that it may be of a file that was there before, or never.
+void LayerStore::take_up_pending() {
+  if (!is_file(folder_.pending_layers())) return;
+  try {  // the boundary to making them again
+    pending_.by_name = load_layers(folder_.pending_layers()).by_name;
+  } catch (const InputError&) {
+    return;
+  }
+  std::erase_if(pending_.by_name, [&](const auto& layer) { return !has_digest(layer.first, layer.second); });
+  for (const auto& [name, layer] : pending_.by_name) {
+    layers_.by_name[name] = layer;
+    whole_.insert(name);
+  }
+}
+
+void LayerStore::save_record() {
+  save_layers(layers_, folder_.layers());
+  pending_.by_name.clear();
+  std::error_code stays;  // what it says is true
+  fs::remove(folder_.pending_layers(), stays);
 }
 
 bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
@@ -91,15 +116,19 @@ void LayerStore::save(const std::string& name, const std::string& recipe, const 
   metadata["equilux_made_from"] = recipe;
   metadata["equilux_unit"] = image.channels == 1 ? "1" : "W/(m^2 sr)";  // coverage is a share
   metadata["equilux_version"] = kVersion;
-  save_exr(image, metadata, folder_.root / file);
-  layers_.by_name[name] = {file,
-                           digest_file(folder_.root / file),
-                           recipe,
-                           vpls.count,
-                           vpls.vpls,
-                           vpls.errors_1e5,
-                           std::move(reference),
-                           format_isa(current_isa())};
+  const std::string bytes = encode_exr(image, metadata);
+  const LayerRecord layer{file,
+                          digest_text(bytes),
+                          recipe,
+                          vpls.count,
+                          vpls.vpls,
+                          vpls.errors_1e5,
+                          std::move(reference),
+                          format_isa(current_isa())};
+  pending_.by_name[name] = layer;
+  save_layers(pending_, folder_.pending_layers());
+  save_text(folder_.root / file, bytes);
+  layers_.by_name[name] = layer;
   whole_.insert(name);
 }
 

@@ -18,10 +18,12 @@ struct VplRecord {
   Json vpls, errors_1e5;
 };
 
-/// Keeps layers.json in step with the files: a layer is recorded after it stands under its name.
+/// Keeps the records in step with the files. Those of a group that is being saved stand in
+/// layers.pending.json, each before its file has its name: whatever stands when a run is killed is on record.
 class LayerStore {
  public:
-  /// Opens what an earlier run left. errors: InputError if layers.json is damaged.
+  /// Opens what an earlier run left, pending records of files that they are true of with it. errors:
+  /// InputError if layers.json is damaged.
   LayerStore(StudyFolder folder, const Study& study);
 
   /// True if the layer is on disk as recorded and was made from this recipe. Its file is
@@ -44,7 +46,7 @@ class LayerStore {
   const std::map<std::string, LayerRecord>& records() const { return layers_.by_name; }
 
   /// Writes layers.json. Called after each group of layers and at the end.
-  void save_record() const { save_layers(layers_, folder_.layers()); }
+  void save_record();
 
   /// errors: InputError if it is not there, its bytes are not those recorded, or its size not the study's
   HdrImage load(const std::string& name) const;
@@ -55,10 +57,11 @@ class LayerStore {
 
  private:
   bool has_digest(const std::string& name, const LayerRecord& layer);
+  void take_up_pending();
 
   StudyFolder folder_;
   int width_, height_;
-  Layers layers_;
+  Layers layers_, pending_;
   std::set<std::string> whole_;                    // whose files were read
   std::map<std::string, std::string> unreadable_;  // why, by layer
 };

@@ -227,7 +227,22 @@ class MemoryStream : public Imf::OStream {
   std::size_t place_ = 0;
 };
 
-std::string encode_exr(HdrImage image, const ExrMetadata& metadata) {
+}  // namespace
+
+ExrFile load_exr(const std::filesystem::path& path, std::optional<PixelSize> size) {
+  if (!is_file(path)) throw InputError(path.string(), "", "an EXR file", "no such file");
+  try {  // the boundary to a library that throws its own
+    return read_exr(path, size);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw InputError(path.string(), "", "a whole EXR file", error.what());
+  }
+}
+
+std::string encode_exr(const HdrImage& picture, const ExrMetadata& metadata) {
+  for (float value : picture.values) EQ_CHECK(std::isfinite(value), value);
+  HdrImage image = picture;
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::ZIP_COMPRESSION;
   for (const char* name : channel_names(image.channels))
@@ -242,21 +257,7 @@ std::string encode_exr(HdrImage image, const ExrMetadata& metadata) {
   return stream.take();
 }
 
-}  // namespace
-
-ExrFile load_exr(const std::filesystem::path& path, std::optional<PixelSize> size) {
-  if (!is_file(path)) throw InputError(path.string(), "", "an EXR file", "no such file");
-  try {  // the boundary to a library that throws its own
-    return read_exr(path, size);
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception& error) {
-    throw InputError(path.string(), "", "a whole EXR file", error.what());
-  }
-}
-
 void save_exr(const HdrImage& image, const ExrMetadata& metadata, const std::filesystem::path& path) {
-  for (float value : image.values) EQ_CHECK(std::isfinite(value), path.string(), value);
   save_text(path, encode_exr(image, metadata));
 }
 

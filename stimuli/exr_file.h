@@ -22,8 +22,11 @@ struct ExrFile {
 /// its bytes can hold, for one of another size than is asked for, and for values that are not finite.
 ExrFile load_exr(const std::filesystem::path& path, std::optional<PixelSize> size = {});
 
-/// 32-bit float, ZIP. The same picture and metadata always give the same bytes.
-/// errors: StoreError; a value that is not finite is our bug.
+/// 32-bit float, ZIP. The same picture and metadata always give the same bytes. A value that is not finite is
+/// our bug.
+std::string encode_exr(const HdrImage& image, const ExrMetadata& metadata);
+
+/// errors: StoreError
 void save_exr(const HdrImage& image, const ExrMetadata& metadata, const std::filesystem::path& path);
 
 }  // namespace equilux

@@ -24,10 +24,13 @@ struct StudyFolder {
   }  ///< copied once, then a person's to edit; may be missing
   std::filesystem::path layer_folder() const { return root / "layers"; }  ///< EXR
   std::filesystem::path layers() const { return root / "layers.json"; }   ///< what was rendered
-  std::filesystem::path rooms() const { return root / "rooms"; }          ///< stages of one being made
-  std::filesystem::path timing() const { return root / "timing.json"; }   ///< outside all digests
-  std::filesystem::path log() const { return root / "render.log"; }       ///< outside all digests
-  std::filesystem::path jobs() const { return root / "jobs"; }            ///< shares not yet gathered
+  std::filesystem::path pending_layers() const {
+    return root / "layers.pending.json";
+  }  ///< records that layers.json does not have yet
+  std::filesystem::path rooms() const { return root / "rooms"; }         ///< stages of one being made
+  std::filesystem::path timing() const { return root / "timing.json"; }  ///< outside all digests
+  std::filesystem::path log() const { return root / "render.log"; }      ///< outside all digests
+  std::filesystem::path jobs() const { return root / "jobs"; }           ///< shares not yet gathered
   std::filesystem::path job(const std::string& name) const { return jobs() / name; }  ///< a study folder
   std::filesystem::path picture_folder() const { return root / "pictures"; }          ///< PNG
   std::filesystem::path manifest() const { return root / "manifest.json"; }           ///< what may be shown
