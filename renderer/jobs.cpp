@@ -9,6 +9,8 @@
 #include "base/files.h"
 #include "base/folder_lock.h"
 #include "renderer/picture_store.h"
+#include "renderer/reference.h"
+#include "renderer/room_stages.h"
 #include "renderer/timing.h"
 
 namespace equilux {
@@ -80,6 +82,64 @@ void remove_done(const fs::path& done, std::vector<std::string>& warnings) {
                     done.string(), error.message()));
 }
 
+// What shares are gathered into, and what of: all that the study wants, and its layers.
+struct Gathering {
+  const StudyFolder& folder;
+  const Study& study;
+  const Wanted& wanted;
+  const std::map<std::string, std::string>& layers;
+  LayerStore& store;
+};
+
+// The first layer that the set lacks, of a reference or of all; empty if it has them all.
+std::string find_missing_layer(const Gathering& job, const Family& family) {
+  for (const char* content : kFamilyContents) {
+    const std::string name = layer_name(family, content);
+    if (!job.store.is_whole(name, job.layers.at(name))) return name;
+  }
+  return "";
+}
+
+std::string find_missing_layer(const Gathering& job) {
+  for (const auto& [name, recipe] : job.layers) {
+    if (!job.store.is_whole(name, recipe)) return name;
+  }
+  return "";
+}
+
+// Stages go with the share's folder, and a room with them whose references nobody has made.
+std::string find_room_to_keep(const Gathering& job, const StudyFolder& share) {
+  for (const std::string& room : list_rooms(share.rooms())) {
+    for (const Family& family : job.wanted.families) {
+      if (name_background_stream(family) != room) continue;
+      const std::string missing = find_missing_layer(job, family);
+      if (!missing.empty())
+        return fmt::format(
+            "{}: stages of a room of which the set lacks {}; the share is kept, `set --job` "
+            "goes on from them",
+            (share.rooms() / room).string(), missing);
+    }
+  }
+  return "";
+}
+
+// Why a share stays from which all was taken that could be; empty if it may go.
+std::string find_reason_to_keep(const Gathering& job, const StudyFolder& share, const LayerStore& rendered) {
+  const std::string lacking = find_lacking(job.layers, job.store, rendered);
+  if (!lacking.empty())
+    return fmt::format(
+        "{}: {} is damaged or made from another study, scene or estimator; the share is kept, "
+        "`set --job` makes it anew",
+        share.root.string(), lacking);
+  std::string room = find_room_to_keep(job, share);
+  if (!room.empty()) return room;
+  if (path_exists(share.layers()) || !rendered.records().empty()) return "";
+  const std::string missing = find_missing_layer(job);
+  if (missing.empty()) return "";
+  return fmt::format("{}: no layer is recorded there; the share is kept while the set lacks {}",
+                     share.root.string(), missing);
+}
+
 // What became of a share: retired, its folder has another name and is to be removed; else a warning says why
 // it stays.
 struct GatheredShare {
@@ -88,42 +148,33 @@ struct GatheredShare {
 };
 
 // A share that nobody writes any more.
-GatheredShare gather_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
-                           const std::map<std::string, std::string>& recipes, LayerStore& store) {
-  if (!path_exists(share.layers()))
-    return {{}, {share.layers().string() + ": not there; the share was left alone"}};
-  LayerStore rendered(share, study);
-  adopt_layers(recipes, store, rendered);
-  store.save_record();
+GatheredShare gather_share(const Gathering& job, const StudyFolder& share) {
+  LayerStore rendered(share, job.study);
+  adopt_layers(job.layers, job.store, rendered);
+  job.store.save_record();
   GatheredShare gathered{{}, rendered.warnings()};
-  const std::string lacking = find_lacking(recipes, store, rendered);
-  if (!lacking.empty()) {
-    gathered.warnings.push_back(
-        fmt::format("{}: {} is damaged or made from another study, scene or estimator; the share is kept, "
-                    "`set --job` makes it anew",
-                    share.root.string(), lacking));
+  std::string reason = find_reason_to_keep(job, share, rendered);
+  if (!reason.empty()) {
+    gathered.warnings.push_back(std::move(reason));
     return gathered;
   }
   load_timing(share);  // damaged, it is said before the share is retired
-  gathered.done = retire_share(folder, share);
+  gathered.done = retire_share(job.folder, share);
   return gathered;
 }
 
 // Whoever waits for the lock of a share that was retired finds its folder moved.
-GatheredShare lock_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
-                         const std::map<std::string, std::string>& recipes, LayerStore& store) {
+GatheredShare lock_share(const Gathering& job, const StudyFolder& share) {
   const FolderLock lock(share.root);
-  if (!lock.is_busy()) return gather_share(folder, share, study, recipes, store);
+  if (!lock.is_busy()) return gather_share(job, share);
   const std::string by = lock.holder().empty() ? "" : " by " + lock.holder();
   return {{}, {fmt::format("{}: still being rendered{}, not gathered", share.root.string(), by)}};
 }
 
 // What is damaged in one share, or cannot be written of it, keeps no other from being gathered.
-void try_share(const StudyFolder& folder, const StudyFolder& share, const Study& study,
-               const std::map<std::string, std::string>& recipes, LayerStore& store,
-               std::vector<std::string>& warnings) {
+void try_share(const Gathering& job, const StudyFolder& share, std::vector<std::string>& warnings) {
   try {
-    const GatheredShare gathered = lock_share(folder, share, study, recipes, store);
+    const GatheredShare gathered = lock_share(job, share);
     warnings.insert(warnings.end(), gathered.warnings.begin(), gathered.warnings.end());
     if (!gathered.done.empty()) remove_done(gathered.done, warnings);
   } catch (const InputError& error) {
@@ -218,11 +269,15 @@ std::size_t adopt_layers(const std::map<std::string, std::string>& recipes, Laye
   return adopted;
 }
 
-bool has_shares(const StudyFolder& folder) {
-  const auto folders = list_folders(folder.jobs());
-  return std::any_of(folders.begin(), folders.end(),
-                     [](const fs::path& path) { return is_share(path.filename().string()); });
+std::vector<std::string> list_shares(const StudyFolder& folder) {
+  std::vector<std::string> shares;
+  for (const fs::path& path : list_folders(folder.jobs())) {
+    if (is_share(path.filename().string())) shares.push_back(path.filename().string());
+  }
+  return shares;
 }
+
+bool has_shares(const StudyFolder& folder) { return !list_shares(folder).empty(); }
 
 std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& study, const Scene& scene,
                                      LayerStore& store) {
@@ -230,13 +285,13 @@ std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& stu
   for (const fs::path& done : list_folders(folder.jobs())) {
     if (done.filename().string().starts_with(kDone)) remove_done(done, warnings);
   }
-  if (has_shares(folder)) {
+  const std::vector<std::string> shares = list_shares(folder);
+  if (!shares.empty()) {
     const Wanted all = enumerate_wanted(study, "*");
     const auto layers = list_layers(make_recipes(study, scene, all), all);
     check_unchanged(folder, layers, store);
-    for (const fs::path& share : list_folders(folder.jobs())) {
-      if (is_share(share.filename().string())) try_share(folder, {share}, study, layers, store, warnings);
-    }
+    for (const std::string& share : shares)
+      try_share({folder, study, all, layers, store}, {folder.job(share)}, warnings);
   }
   std::error_code not_empty;
   fs::remove(folder.jobs(), not_empty);

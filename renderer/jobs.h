@@ -42,13 +42,16 @@ std::size_t adopt_layers(const std::map<std::string, std::string>& recipes, Laye
 void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
                      const LayerStore& store);
 
-/// Whether there are folders of shares in it.
+/// Names of the folders of shares in it, sorted.
+std::vector<std::string> list_shares(const StudyFolder& folder);
+
+/// Whether there are any.
 bool has_shares(const StudyFolder& folder);
 
 /// Takes over what shares have left in the folder, and removes those folders of which nothing remains that
-/// the set lacks. Gives warnings: of shares that are still being rendered, damaged, made from something else,
-/// or cannot be read, written or removed. errors: InputError for what the scene lacks, and where a set that
-/// was shown would change
+/// the set lacks: no layer, and no stage of a room whose references it lacks. Gives warnings: of shares that
+/// are still being rendered, damaged, made from something else, or cannot be read, written or removed.
+/// errors: InputError for what the scene lacks, and where a set that was shown would change
 std::vector<std::string> gather_jobs(const StudyFolder& folder, const Study& study, const Scene& scene,
                                      LayerStore& store);
 

@@ -47,6 +47,13 @@ void remove_file(const fs::path& path) {
   if (error) throw StoreError(fmt::format("{}: cannot remove: {}", path.string(), error.message()));
 }
 
+bool has_stages(const fs::path& folder) {
+  std::error_code gone;
+  const auto entries = fs::directory_iterator(folder, gone);
+  return std::any_of(begin(entries), end(entries),
+                     [](const auto& entry) { return entry.path().extension() == kEnding; });
+}
+
 // Nothing but stages: the folder goes with them if it has nothing else.
 void remove_stages(const fs::path& folder) {
   std::error_code gone;
@@ -102,6 +109,16 @@ void RoomStages::remove() const {
   remove_stages(folder_);
   std::error_code has_more;
   fs::remove(folder_.parent_path(), has_more);
+}
+
+std::vector<std::string> list_rooms(const fs::path& rooms) {
+  std::vector<std::string> names;
+  std::error_code gone;
+  for (const auto& entry : fs::directory_iterator(rooms, gone)) {
+    if (has_stages(entry.path())) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 void remove_room_stages(const fs::path& rooms) {

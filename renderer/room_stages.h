@@ -109,6 +109,9 @@ class RoomStages {
   PixelSize size_;
 };
 
+/// Names of the rooms of which stages are kept, sorted.
+std::vector<std::string> list_rooms(const std::filesystem::path& rooms);
+
 /// Removes stages that no run has come back to. errors: StoreError
 void remove_room_stages(const std::filesystem::path& rooms);
 

@@ -105,10 +105,13 @@ class SetMaker {
     LayerStore store(own, study_);
     if (!params_.job) {
       check_unchanged(folder_, list_layers(recipes_, wanted_), store);
-      summary_.warnings = gather_jobs(folder_, study_, scene_, store);
+      left_ = gather_jobs(folder_, study_, scene_, store);
     }
     timing_.seconds["checking"] = seconds_since(start);
     complete_layers(own, store);
+    // Shares that were kept for what the set lacked.
+    if (!params_.job && has_shares(folder_)) left_ = gather_jobs(folder_, study_, scene_, store);
+    warn(left_);
     if (!params_.job) tonemap_wanted(study_, own, store, wanted_, summary_);
     tell_times(own);
     return std::move(summary_);
@@ -186,7 +189,7 @@ class SetMaker {
     throw InputError(folder_.root.string(), "", "every share of the set, rendered",
                      fmt::format("{} references and {} layers of VPL pictures missing, {} the first{}",
                                  missing.families.size(), missing.conditions.size(), first,
-                                 join_warnings(summary_.warnings)));
+                                 join_warnings(left_) + join_warnings(summary_.warnings)));
   }
 
   void render_missing(const StudyFolder& own, const Wanted& missing, LayerStore& store) {
@@ -219,6 +222,7 @@ class SetMaker {
   Wanted wanted_;
   Recipes recipes_;
   SetSummary summary_;
+  std::vector<std::string> left_;  // what the gathering of shares said last
   RunTiming timing_;
   double processor_start_ = measure_processor_seconds();
 };

@@ -125,5 +125,66 @@ TEST_F(Gather, GoesOnAfterAShareThatTheFileSystemFailsFor) {
   EXPECT_FALSE(path_exists(jobs()));
 }
 
+// A share that was killed: its reference of G0-MS-ind-v0 is whole, and of its room a stage.
+class KilledShare : public Gather {
+ protected:
+  KilledShare() {
+    SetParams params = params_of("set");
+    params.job = JobShare{1, 1};
+    params.only = "G0-MS-ind-ref-v0";
+    make_set(params);
+    const fs::path room = share("1-of-1") / "rooms/G0-ind-v0";
+    fs::create_directories(room);
+    save_text(room / "plan.stage", "of minutes");
+  }
+  fs::path stage() const { return share("1-of-1") / "rooms/G0-ind-v0/plan.stage"; }
+};
+
+TEST_F(KilledShare, IsKeptWithTheStagesOfRoomsThatTheSetLacks) {
+  EXPECT_THAT(message_of<InputError>([&] { gather(); }),
+              AllOf(HasSubstr("1-of-1/rooms/G0-ind-v0: stages of a room of which the set lacks"),
+                    HasSubstr("7 references and")))
+      << "the first reference is gathered";
+  EXPECT_TRUE(path_exists(stage()));
+  EXPECT_GT(render_share(1, 1).layers_rendered, 0u);
+  EXPECT_EQ(gather().warnings, std::vector<std::string>());
+  EXPECT_FALSE(path_exists(jobs()));
+}
+
+TEST_F(KilledShare, GoesOnceTheSetIsWhole) {
+  EXPECT_EQ(make_set(params_of("set")).warnings, std::vector<std::string>());
+  EXPECT_FALSE(path_exists(jobs()));
+}
+
+TEST_F(KilledShare, IsNotKeptForRoomsThatNoReferenceLacks) {
+  SetParams params = params_of("set");
+  params.only = "G0-*-ind-ref-v0";
+  params.reuse = {share("1-of-1")};
+  make_set(params);
+  params = params_of("set");
+  params.job = JobShare{1, 1};
+  params.only = "G0-MS-ind-ref-v0";
+  make_set(params);
+  for (const char* room : {"G0-ind-v0", "of-another-study"}) {
+    fs::create_directories(share("1-of-1") / "rooms" / room);
+    save_text(share("1-of-1") / "rooms" / room / "plan.stage", "of minutes");
+  }
+  EXPECT_THAT(message_of<InputError>([&] { gather(); }), testing::Not(HasSubstr("1-of-1")));
+  EXPECT_FALSE(path_exists(jobs()));
+}
+
+TEST_F(Gather, KeepsAShareWithoutARecordUntilTheSetIsWhole) {
+  render_shares(2);
+  for (const char* part : {"layers", "layers.json"}) fs::remove_all(share("1-of-2") / part);
+  EXPECT_THAT(message_of<InputError>([&] { gather(); }), HasSubstr("1-of-2: no layer is recorded there"));
+  EXPECT_TRUE(path_exists(share("1-of-2")));
+  {
+    const FolderLock lock(share("1-of-2"));
+    EXPECT_THAT(make_set(params_of("set")).warnings, ElementsAre(HasSubstr("still being rendered")));
+  }
+  EXPECT_EQ(gather().warnings, std::vector<std::string>());
+  EXPECT_FALSE(path_exists(jobs()));
+}
+
 }  // namespace
 }  // namespace equilux
