@@ -217,6 +217,12 @@ std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& sc
   return split_work(list_work(costs, wanted), count);
 }
 
+void check_folder_of(const Study& study, const StudyFolder& folder) {
+  if (path_exists(folder.study()) && load_study(folder.study()).digest != study.digest)
+    throw InputError(folder.root.string(), "", "the folder of this study",
+                     "that of another, or of an older version");
+}
+
 void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
                      const LayerStore& store) {
   if (!has_sessions(folder)) return;

@@ -38,6 +38,9 @@ Wanted find_missing(const Recipes& recipes, const Wanted& wanted, LayerStore& st
 std::size_t adopt_layers(const std::map<std::string, std::string>& recipes, LayerStore& store,
                          LayerStore& from);
 
+/// Shares are rendered into a folder of the very same study, or into a new one. errors: InputError
+void check_folder_of(const Study& study, const StudyFolder& folder);
+
 /// Of a set that was shown no layer may change. errors: InputError
 void check_unchanged(const StudyFolder& folder, const std::map<std::string, std::string>& recipes,
                      const LayerStore& store);

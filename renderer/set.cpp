@@ -138,9 +138,7 @@ class SetMaker {
   // The set's own folder is prepared too, so that it can be gathered into.
   StudyFolder open_share() const {
     prepare_once();
-    if (load_study(folder_.study()).digest != study_.digest)
-      throw InputError(folder_.root.string(), "", "the folder of this study",
-                       "that of another, or of an older version");
+    check_folder_of(study_, folder_);
     check_unchanged(folder_, list_layers(recipes_, wanted_), LayerStore(folder_, study_));
     return {folder_.job(format_job_folder(*params_.job))};
   }

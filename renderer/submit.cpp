@@ -84,10 +84,12 @@ std::string run_sbatch(const std::string& command) {
 
 std::vector<int> find_unfinished(const SubmitParams& params) {
   const Study study = load_study(params.study_path);
+  check_folder_of(study, {params.folder});
   const Scene scene = load_scene(study.scene_path);
   const Wanted all = enumerate_wanted(study, "*");
   const Recipes recipes = make_recipes(study, scene, all);
   LayerStore store({params.folder}, study);
+  check_unchanged({params.folder}, list_layers(recipes, all), store);
   const auto shares = plan_jobs(study, scene, all, params.count);
   std::vector<int> unfinished;
   for (int index = 1; index <= params.count; ++index) {

@@ -5,6 +5,9 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "renderer/set.h"
+#include "stimuli/layers.h"
+#include "tests/renderer/tiny_study.h"
 #include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
@@ -140,6 +143,27 @@ TEST(Submit, HandsThreadsOn) {
   SubmitParams params = make_params("/x");
   params.threads = 3;
   EXPECT_THAT(make_slurm_jobs(params, {1}).array_text, HasSubstr(" --threads 3 --job "));
+}
+
+// Every share of an array into another study's folder would fail, after its time in the queue.
+TEST(Submit, IntoTheFolderOfAnotherStudyIsRefused) {
+  const test::TinyStudy study, other(study.folder(), 2);
+  SetParams set{study.path(), study.folder() / "set", "G0-MS-ind-ref-v0"};
+  make_set(set);
+  SubmitParams params;
+  params.study_path = other.path();
+  params.folder = set.folder;
+  params.count = 2;
+  EXPECT_THAT(message_of<InputError>([&] { find_unfinished(params); }),
+              HasSubstr(params.folder.string() + ": expected the folder of this study"));
+  params.study_path = study.path();
+  EXPECT_EQ(find_unfinished(params), (std::vector<int>{1, 2}));
+  Layers layers = load_layers(params.folder / "layers.json");
+  layers.by_name.at("G0-MS-ind-ref-v0.direct").made_from = digest_text("another");
+  save_layers(layers, params.folder / "layers.json");
+  save_text(params.folder / "responses.sqlite", "");
+  EXPECT_THAT(message_of<InputError>([&] { find_unfinished(params); }),
+              HasSubstr("what its sessions have seen"));
 }
 
 }  // namespace
