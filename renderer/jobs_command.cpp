@@ -115,6 +115,7 @@ int run_submit(const SubmitOptions& options, const CommandLine& line) {
         index, params.count);
     std::erase(unfinished, index);
   }
+  if (const std::string others = tell_other_shares(params); !others.empty()) fmt::print("{}\n", others);
   const SlurmJobs jobs = make_slurm_jobs(params, std::move(unfinished));
   fmt::print("{} of {} shares to render\n", jobs.indices.size(), params.count);
   if (options.dry_run) {

@@ -102,6 +102,18 @@ std::vector<int> find_unfinished(const SubmitParams& params) {
   return unfinished;
 }
 
+std::string tell_other_shares(const SubmitParams& params) {
+  const std::string own = format_job_folder({1, params.count}).substr(1);
+  std::vector<std::string> others = list_shares({params.folder});
+  std::erase_if(others, [&](const std::string& name) { return name.ends_with(own); });
+  if (others.empty()) return "";
+  return fmt::format(
+      "shares of another number stand in {}: {}; what they hold is not counted, and would be rendered again: "
+      "`equilux-render gather {} --out {}` takes it in, submit after that",
+      StudyFolder{params.folder}.jobs().string(), fmt::join(others, ", "), quote(params.study_path.string()),
+      quote(params.folder.string()));
+}
+
 std::vector<int> find_running(const SubmitParams& params, const std::vector<int>& indices) {
   std::vector<int> running;
   for (const int index : indices) {

@@ -32,6 +32,10 @@ struct SlurmJobs {
 /// errors: InputError for what study or scene lack
 std::vector<int> find_unfinished(const SubmitParams& params);
 
+/// Says that shares of another number stand in the folder, whose layers find_unfinished does not count; empty
+/// where there are none.
+std::string tell_other_shares(const SubmitParams& params);
+
 /// Those of them that a process renders at this moment. errors: StoreError
 std::vector<int> find_running(const SubmitParams& params, const std::vector<int>& indices);
 

@@ -166,5 +166,22 @@ TEST(Submit, IntoTheFolderOfAnotherStudyIsRefused) {
               HasSubstr("what its sessions have seen"));
 }
 
+TEST(Submit, TellsOfSharesOfAnotherNumber) {
+  const TempFolder folder;
+  SubmitParams params = make_params(folder.path());
+  for (const char* name : {"1-of-12", "11-of-12", "notes", ".done-1-of-3"})
+    fs::create_directories(params.folder / "jobs" / name);
+  EXPECT_EQ(tell_other_shares(params), "");
+  for (const char* name : {"1-of-3", "2-of-3", "1-of-112"})
+    fs::create_directories(params.folder / "jobs" / name);
+  const std::string out = params.folder.string();
+  EXPECT_EQ(
+      tell_other_shares(params),
+      "shares of another number stand in " + out +
+          "/jobs: 1-of-112, 1-of-3, 2-of-3; what they hold is not counted, and would be rendered again: "
+          "`equilux-render gather 'it'\\''s a study.json' --out '" +
+          out + "'` takes it in, submit after that");
+}
+
 }  // namespace
 }  // namespace equilux
