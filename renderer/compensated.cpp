@@ -81,17 +81,18 @@ class CompensatedTracer {
     return paths;
   }
 
-  std::vector<TracedLayer> compensate(const PathMap& map, std::vector<double> clamps,
-                                      const std::string& name) const {
+  std::vector<TracedLayer> compensate(const PathMap& map, std::vector<double> clamps, const std::string& name,
+                                      CompensationRecord* record = nullptr) const {
     const CompensationParams compensation{std::move(clamps), Emission::kLambertian, params_.seed,
                                           params_.stream_name + name, params_.measures};
-    return trace_compensation(scene_, map, compensation, progress_.advance);
+    return trace_compensation(scene_, map, compensation, progress_.advance, record);
   }
 
   SetPilot trace_set_pilot() const {
     progress_.expect_more(count_object_paths(scene_.primary, pilot_.seen));
+    CompensationRecord record;
     auto layers = std::make_shared<const std::vector<TracedLayer>>(
-        compensate(pilot_.seen, list_finite_clamps(), ".pilot"));
+        compensate(pilot_.seen, list_finite_clamps(), ".pilot", &record));
     const auto fill = [this, layers](std::size_t level) {
       TracedLayer layer = (*layers)[level];
       fill_between(layer, pilot_.seen, coverage_, pilot_.reach);
@@ -102,6 +103,7 @@ class CompensatedTracer {
                    background_errors_,
                    pilot_.layers.indirect,
                    fill,
+                   std::move(record.walked),
                    pilot_.maps.indirect,
                    find_least_paths(layers->front().mean, pilot_.layers.indirect.mean, pilot_.seen,
                                     scene_.primary.positions)};

@@ -85,10 +85,10 @@ TracedLayer trace_direct(const World& world, const Primary& primary, const PathM
 
 std::vector<TracedLayer> compensate(const RoomScene& scene, const PathMap& map, std::vector<double> clamps,
                                     const ReferenceParams& params, const std::string& name,
-                                    const FamilyProgress& progress) {
+                                    const FamilyProgress& progress, CompensationRecord* record = nullptr) {
   const CompensationParams compensation{std::move(clamps), Emission::kLambertian, params.seed,
                                         params.background_stream_name + name, params.measures};
-  return trace_room_compensation(scene, map, compensation, progress.advance);
+  return trace_room_compensation(scene, map, compensation, progress.advance, record);
 }
 
 // Eight sets tell one region's spread badly: by four degrees of freedom one region of five hundred would
@@ -128,8 +128,9 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
   progress.expect_more(count_room_paths(primary, few) + count_room_paths(primary, seen));
   const TracedLayer direct = trace_direct(world, primary, few, params, ".pilot", progress);
   const Materials glossy = make_pilot_materials(world);
-  auto returned =
-      compensate({world, {&glossy, 1}, primary}, seen, list_finite_clamps(), params, ".pilot", progress);
+  CompensationRecord record;
+  auto returned = compensate({world, {&glossy, 1}, primary}, seen, list_finite_clamps(), params, ".pilot",
+                             progress, &record);
   for (TracedLayer& layer : returned) fill_room_between(layer, seen, coverage, static_cast<int>(stride));
   const DisplayPilot view(
       {&pilot.layers.background.mean, &pilot.layers.direct.mean, &pilot.layers.indirect.mean}, coverage,
@@ -140,6 +141,7 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
                       direct_errors,
                       take_indirect(pilot, direct, coverage),
                       [&](std::size_t level) { return returned[level]; },
+                      record.walked,
                       PathMap(seen.size(), kPilotShare),
                       1,
                       take_room(direct.mean, coverage)};

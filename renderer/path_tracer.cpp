@@ -321,7 +321,7 @@ void estimate_returned_by_material(const World& world, std::span<const Materials
     if (!is_clamped && !misses(materials[i])) continue;
     const auto& [diffuse, glossy] = parts[i];
     if (params.with_missing) {
-      lights[i] = {step->weight * diffuse, step->weight * glossy, peak};
+      lights[i] = {step->weight * diffuse, step->weight * glossy, peak, misses(materials[i])};
     } else {
       lights[i] = {step->weight * (diffuse + glossy), {}, peak};
     }

@@ -34,9 +34,12 @@ void estimate_reflected_by_material(const World& world, std::span<const Material
 struct ReturnedLight {
   Vec3 clamped;           ///< what they carry, of which a clamp c takes the share 1 - c / peak
   Vec3 missing;           ///< what they do not carry: with Lambertian emission what gloss sends on
-  float peak_per_m2 = 0;  ///< M / r^2 of the path's first step
+  float peak_per_m2 = 0;  ///< M / r^2 of the path's first step; 0 where it ended there for every clamp
+  bool meets_gloss = false;  ///< VPLs where it arrived lack what gloss sends on
 
   Vec3 at(double clamp_per_m2) const;
+  /// Whether the path goes on beyond its first step for that clamp alone.
+  bool goes_on(double clamp_per_m2) const { return meets_gloss || double{peak_per_m2} > clamp_per_m2; }
 };
 
 struct ReturnParams {

@@ -31,6 +31,7 @@ struct SetCandidate {
   std::vector<double> errors;    ///< of compensation. shape: height x width
   double mean_size = 0;          ///< over the subject's pixels
   double p99_over_mean = 1;      ///< of the sizes
+  double path_cost = 0;          ///< of one path of compensation. units: paths
   double compensation_cost = 0;  ///< for a mean error of one step. units: paths
   double vpl_variance = 0;       ///< relative, of a small set; see trace_small_sets
   double cut_variance = 0;       ///< the same, of representatives alone
@@ -38,9 +39,6 @@ struct SetCandidate {
   double cut_size = 0;           ///< of a small set's cuts, mean. units: clusters
   double size_exponent = 0;      ///< of it over the ratio
 };
-
-/// Of a path of compensation, whose first ray is the longer the more is clamped. units: paths
-double cost_of_compensation(int level);
 
 /// Those that are worth a look, the hardest clamp first.
 std::vector<SetCandidate> find_candidates(const SetTask& task);

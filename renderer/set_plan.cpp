@@ -77,8 +77,7 @@ Choice choose_sets(const SetCandidate& candidate, double small_vpls, const SetTa
   const double one = error * std::sqrt(choice.set_cost), other = std::sqrt(candidate.compensation_cost);
   const double target = square(task.target.object_mean);
   // Fewer paths than the fewest are not to be had: what they err by is not asked of the sets.
-  const double fewest =
-      cost_of_compensation(candidate.level) * task.pilot.least_paths * task.count_pixel_paths();
+  const double fewest = candidate.path_cost * task.pilot.least_paths * task.count_pixel_paths();
   const double wanted =
       std::min(std::max(target * one / (one + other), target - candidate.compensation_cost / fewest),
                square(task.target.object_p99 / kPercentileOfFew / candidate.p99_over_mean));
@@ -120,7 +119,7 @@ double price(const SetTask& task, const SetCandidate& candidate, const Choice& c
   // Where sets alone miss the target no number of paths meets it.
   if (error > task.target.object_mean) return std::numeric_limits<double>::infinity();
   return choice.sets * choice.set_cost +
-         cost_of_compensation(candidate.level) * sum / static_cast<double>(count) * task.count_pixel_paths();
+         candidate.path_cost * sum / static_cast<double>(count) * task.count_pixel_paths();
 }
 
 SetPlan make_plan(SetCandidate candidate, const Choice& choice) {

@@ -46,7 +46,8 @@ struct SetPilot {
   std::vector<double> other_errors;
   TracedLayer indirect;                                  ///< path traced
   std::function<TracedLayer(std::size_t)> compensation;  ///< for each of list_finite_clamps
-  PathMap map;                                           ///< of both
+  std::vector<double> walked;                            ///< as CompensationRecord
+  PathMap map;                                           ///< of both layers
   std::uint32_t least_paths = 1;  ///< of compensation, in each batch and at each position
   /// Light that the rule of the cuts counts in beside its own; empty: none. As SetPlan::light
   HdrImage beside = {};

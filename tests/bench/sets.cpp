@@ -209,17 +209,24 @@ void print_compensation(const Subject& subject, const Options& options) {
   const PathMaps maps = make_fixed_maps(subject.scene.primary, {64, 64, 64});
   const PathMap none(maps.indirect.size(), 0);
   const double paths = count_paths(subject.scene.primary, {none, none, maps.indirect});
-  fmt::print("A path of compensation, in paths:");
-  for (const double clamp : list_finite_clamps()) {
+  fmt::print(
+      "| level | paths of compensation that go on, % | a path of compensation, paths |\n|---|---:|---:|\n");
+  double ones = 0, shares = 0, squares = 0, costs = 0, products = 0;
+  for (int level = 1; level < kClampLevelCount; ++level) {
     CompensationParams params;
-    params.clamps_per_m2 = {clamp};
+    params.clamps_per_m2 = {clamp_per_m2(level)};
     params.seed = options.seed;
     params.stream_name = "bench";
+    CompensationRecord record;
     const double start = measure_processor_seconds();
-    trace_compensation(subject.scene, maps.indirect, params, advance);
-    fmt::print(" {:.2f}", (measure_processor_seconds() - start) / paths / subject.path_s);
+    trace_compensation(subject.scene, maps.indirect, params, advance, &record);
+    const double cost = (measure_processor_seconds() - start) / paths / subject.path_s;
+    const double share = record.walked[0];
+    fmt::print("| {} | {:.1f} | {:.2f} |\n", format_clamp(level), 100 * share, cost);
+    ones += 1, shares += share, squares += share * share, costs += cost, products += share * cost;
   }
-  fmt::print(" (C1 to C10).\n\n");
+  const double walk = (ones * products - shares * costs) / (ones * squares - shares * shares);
+  fmt::print("\nA first ray takes {:.2f} paths, going on {:.2f}.\n\n", (costs - walk * shares) / ones, walk);
 }
 
 void print_object(const Scene& scene, const std::string& key, const Options& options) {
