@@ -103,7 +103,8 @@ class CompensatedTracer {
                    background_errors_,
                    pilot_.layers.indirect,
                    fill,
-                   std::move(record.walked),
+                   std::move(record),
+                   pilot_.seen,
                    pilot_.maps.indirect,
                    find_least_paths(layers->front().mean, pilot_.layers.indirect.mean, pilot_.seen,
                                     scene_.primary.positions)};

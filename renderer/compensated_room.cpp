@@ -141,7 +141,8 @@ std::optional<RoomPlan> plan_compensated_room(const World& world, const Primary&
                       direct_errors,
                       take_indirect(pilot, direct, coverage),
                       [&](std::size_t level) { return returned[level]; },
-                      record.walked,
+                      std::move(record),
+                      seen,
                       PathMap(seen.size(), kPilotShare),
                       1,
                       take_room(direct.mean, coverage)};

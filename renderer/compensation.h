@@ -17,9 +17,14 @@ struct CompensationParams {
   bool clamped_alone = false;  ///< without what the emission lacks
 };
 
-/// Of each layer, the share of its paths that went on beyond their first ray: what they cost goes by it.
+/// What trace_compensation sees of its layers beside their light.
 struct CompensationRecord {
+  /// The share of a layer's paths that went on beyond their first ray: what they cost goes by it.
   std::vector<double> walked;
+  /// What those Lambertian VPLs that the hardest clamp acts on add to the variance of a VPL sum clamped as
+  /// the layer is, over their intensity (sum of squares over sum), if they come independently of each other.
+  /// shape: as the layer. units: 1/m^2 W/(m^2 sr)
+  std::vector<HdrImage> variances;
 };
 
 /// Of the objects' light, a layer for each clamp, all from the same paths: added to the VPL layer of that

@@ -300,7 +300,8 @@ void estimate_returned_by_material(const World& world, std::span<const Materials
   const Shading shading(materials[0], point, v);
   const auto step = sample_step(shading, point, sampler);
   if (!step) return;
-  const float most = max_component(eval_scatter<Vec3>(shading, point, step->direction));
+  const auto scatter = eval_scatter<Vec3>(shading, point, step->direction);
+  const float most = max_component(scatter);
   // A little further than the clamp acts: what is clamped is said below, however far the ray was sent.
   constexpr double kMargin = 1 + 1e-5;
   const auto reach = params.with_missing
@@ -310,7 +311,8 @@ void estimate_returned_by_material(const World& world, std::span<const Materials
   if (is_light(hit)) return;
   const Vec3 d = hit->p - point.p;
   const float peak = most / dot(d, d);
-  const bool is_clamped = peak > params.least_clamp_per_m2;
+  const Vec3 response = scatter * (std::max(0.0f, -dot(hit->ng, step->direction)) / dot(d, d));
+  const bool is_clamped = params.is_clamped(peak);
   const auto misses = [&](const Materials& of) {
     return params.with_missing && of[hit->material].glossy_share > 0;
   };
@@ -321,9 +323,9 @@ void estimate_returned_by_material(const World& world, std::span<const Materials
     if (!is_clamped && !misses(materials[i])) continue;
     const auto& [diffuse, glossy] = parts[i];
     if (params.with_missing) {
-      lights[i] = {step->weight * diffuse, step->weight * glossy, peak, misses(materials[i])};
+      lights[i] = {step->weight * diffuse, step->weight * glossy, peak, misses(materials[i]), response};
     } else {
-      lights[i] = {step->weight * (diffuse + glossy), {}, peak};
+      lights[i] = {step->weight * (diffuse + glossy), {}, peak, false, response};
     }
   }
 }

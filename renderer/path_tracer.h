@@ -32,10 +32,11 @@ void estimate_reflected_by_material(const World& world, std::span<const Material
 
 /// What VPLs lack of the light that a path brings to a point.
 struct ReturnedLight {
-  Vec3 clamped;           ///< what they carry, of which a clamp c takes the share 1 - c / peak
-  Vec3 missing;           ///< what they do not carry: with Lambertian emission what gloss sends on
-  float peak_per_m2 = 0;  ///< M / r^2 of the path's first step; 0 where it ended there for every clamp
+  Vec3 clamped;              ///< what they carry, of which a clamp c takes the share 1 - c / peak
+  Vec3 missing;              ///< what they do not carry: with Lambertian emission what gloss sends on
+  float peak_per_m2 = 0;     ///< M / r^2 of the path's first step; 0 where it ended there for every clamp
   bool meets_gloss = false;  ///< VPLs where it arrived lack what gloss sends on
+  Vec3 response;             ///< to a Lambertian VPL of 1 W/sr where it arrived. units: 1/m^2
 
   Vec3 at(double clamp_per_m2) const;
   /// Whether the path goes on beyond its first step for that clamp alone.
@@ -45,6 +46,9 @@ struct ReturnedLight {
 struct ReturnParams {
   double least_clamp_per_m2 = 0;  ///< of those that it is asked for; infinite for none
   bool with_missing = true;       ///< VPLs emit by the diffuse part, and some surface is glossy
+
+  /// By one of them.
+  bool is_clamped(float peak_per_m2) const { return double{peak_per_m2} > least_clamp_per_m2; }
 };
 
 bool has_gloss(const Materials& materials);

@@ -14,7 +14,7 @@ constexpr double kMostCompensation = 0.5, kLeastCompensation = 0.0002;
 
 // Costs in units of a path of what a path of compensation does: its first ray, and all that follows where the
 // clamp acts or gloss is met. `bench_sets` measures both.
-constexpr double kFirstRayCost = 0.1, kWalkCost = 1.2;
+constexpr double kFirstRayCost = 0.3, kWalkCost = 1.1;
 
 // Below it a silhouette's own light is guessed too small rather than too large.
 constexpr double kLeastShare = 0.25;
@@ -75,7 +75,7 @@ SetCandidate make_candidate(const SetTask& task, std::size_t level_index) {
       std::accumulate(of_subject.begin(), of_subject.end(), 0.0) / static_cast<double>(task.pixels.size());
   if (candidate.mean_size > 0)
     candidate.p99_over_mean = nearest_rank(std::move(of_subject), 0.99) / candidate.mean_size;
-  candidate.path_cost = kFirstRayCost + kWalkCost * task.pilot.walked[level_index];
+  candidate.path_cost = kFirstRayCost + kWalkCost * task.pilot.seen_of_it.walked[level_index];
   candidate.compensation_cost = candidate.path_cost * count_paths_of_one_step(candidate.errors, task);
   return candidate;
 }

@@ -33,7 +33,7 @@ struct SetCandidate {
   double p99_over_mean = 1;      ///< of the sizes
   double path_cost = 0;          ///< of one path of compensation. units: paths
   double compensation_cost = 0;  ///< for a mean error of one step. units: paths
-  double vpl_variance = 0;       ///< relative, of a small set; see trace_small_sets
+  double vpl_variance = 0;       ///< relative, of a small set's VPLs
   double cut_variance = 0;       ///< the same, of representatives alone
   double cut_exponent = 1;       ///< of the latter over the ratio
   double cut_size = 0;           ///< of a small set's cuts, mean. units: clusters

@@ -35,9 +35,8 @@ constexpr int kMostSets = 10000;
 // Fewer tell too little of their spread.
 constexpr int kFewestSets = 8;
 
-// Of levels that cost alike, the hardest clamp: its sets err most evenly. Of weaker ones small sets see too
-// little, VPLs that are near and rare, so that these err by more than is foreseen.
-constexpr double kAlike = 1.2;
+// Of levels that cost alike, the hardest clamp: its sets err most evenly.
+constexpr double kAlike = 1.05;
 
 // Pixels by which a plan is priced, and numbers of sets tried over that foreseen to be best.
 constexpr std::size_t kPricedPixels = 4000;

@@ -46,7 +46,8 @@ struct SetPilot {
   std::vector<double> other_errors;
   TracedLayer indirect;                                  ///< path traced
   std::function<TracedLayer(std::size_t)> compensation;  ///< for each of list_finite_clamps
-  std::vector<double> walked;                            ///< as CompensationRecord
+  CompensationRecord seen_of_it;                         ///< of the same
+  PathMap seen;                                          ///< by both layers, before what is between is filled
   PathMap map;                                           ///< of both layers
   std::uint32_t least_paths = 1;  ///< of compensation, in each batch and at each position
   /// Light that the rule of the cuts counts in beside its own; empty: none. As SetPlan::light

@@ -18,6 +18,9 @@ constexpr std::size_t kPilotTrees = 2;
 constexpr std::size_t kPilotPoints = 128;
 constexpr double kPilotVplsPerPoint = 2, kFewestPilotVpls = 10000, kMostPilotVpls = 50000;
 
+// Of them those by which VPLs are told to be near.
+constexpr std::size_t kPointsStride = 8;
+
 // What VPLs err by is a difference of two spreads, of sets and of trees, each known to a third or so: this
 // share of the larger one is the least, lest sets of very few VPLs be taken and miss the target.
 constexpr double kLeastOfVpls = 0.25;
@@ -75,6 +78,7 @@ class SetPilotTracer {
  public:
   SetPilotTracer(const FamilyScene& scene, const SetTask& task, std::vector<SetCandidate>& candidates)
       : scene_(scene),
+        pilot_(task.pilot),
         view_(task.pilot.view),
         candidates_(candidates),
         points_(draw_pilot_points(task.pilot.subject)) {
@@ -113,6 +117,7 @@ class SetPilotTracer {
       for (Cuts* cuts : {&fine_, &coarse_}) cuts->trees[tree] = cut(lights, *cuts, seed + tree, stream_name);
     });
     for (std::size_t k = 0; k < candidates_.size(); ++k) compare(k);
+    add_near_vpls(lists);
     return made;
   }
 
@@ -210,6 +215,42 @@ class SetPilotTracer {
     candidate.vpl_variance = std::max(kLeastOfVpls * between, between - within / kPilotTrees) / light;
   }
 
+  // Few points see too little of VPLs that are near and rare, which weak clamps leave bright. So what a
+  // level's VPLs err by beyond those of the hardest clamp is what compensation's paths foresee, which look
+  // for such places at every pixel.
+  void add_near_vpls(const std::vector<VplList>& lists) {
+    std::array<double, 3> intensity{};
+    std::vector<SurfacePoint> some;
+    for (std::size_t i = 0; i < points_.size(); i += kPointsStride) some.push_back(points_[i].surface);
+    for (const VplList& list : lists) {
+      const std::array<double, 3> of_list = measure_intensity(list, some);
+      for (std::size_t c = 0; c < 3; ++c) intensity[c] += of_list[c] / kSmallSets;
+    }
+    const auto sum_variance = [&](std::size_t level) {
+      const HdrImage& variance =
+          pilot_.seen_of_it.variances[static_cast<std::size_t>(candidates_[level].level - 1)];
+      double sum = 0;
+      for (std::size_t i = 0; i < pilot_.seen.size(); ++i) {
+        if (pilot_.seen[i] == 0) continue;
+        const float* of_pixel = variance.pixel(i);
+        sum += square(
+            size_of(i, {intensity[0] * of_pixel[0], intensity[1] * of_pixel[1], intensity[2] * of_pixel[2]}));
+      }
+      return sum;
+    };
+    const auto sum_light = [&](std::size_t level) {
+      double sum = 0;
+      for (std::size_t i = 0; i < pilot_.seen.size(); ++i)
+        sum += pilot_.seen[i] == 0 ? 0 : square(candidates_[level].sizes[i]);
+      return sum;
+    };
+    const double least = sum_variance(0), far = candidates_[0].vpl_variance * sum_light(0);
+    for (std::size_t k = 1; k < candidates_.size(); ++k) {
+      const double light = sum_light(k);
+      if (light > 0) candidates_[k].vpl_variance = (far + sum_variance(k) - least) / light;
+    }
+  }
+
   double size_of(std::size_t pixel, const std::array<double, 3>& variance) const {
     return view_.find_size(pixel, {std::sqrt(variance[0]), std::sqrt(variance[1]), std::sqrt(variance[2])});
   }
@@ -220,6 +261,7 @@ class SetPilotTracer {
   }
 
   const FamilyScene& scene_;
+  const SetPilot& pilot_;
   const DisplayPilot& view_;
   std::vector<SetCandidate>& candidates_;
   std::vector<ShadingPoint> points_;

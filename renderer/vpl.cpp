@@ -204,6 +204,49 @@ VplList join_vpls(VplSet set) {
   return list;
 }
 
+namespace {
+
+// The square of a quarter of the diagonal of the box about them.
+float find_nearest_r2(std::span<const SurfacePoint> points) {
+  if (points.empty()) return 0;
+  Vec3 low = points[0].p, high = low;
+  for (const SurfacePoint& point : points) {
+    low = {std::min(low.x, point.p.x), std::min(low.y, point.p.y), std::min(low.z, point.p.z)};
+    high = {std::max(high.x, point.p.x), std::max(high.y, point.p.y), std::max(high.z, point.p.z)};
+  }
+  const Vec3 extent = (high - low) / 4;
+  return dot(extent, extent);
+}
+
+// 1/m^2, of a VPL of no particular intensity.
+float find_form_factor(const SurfacePoint& point, const Vpl& vpl, float nearest_r2) {
+  const Vec3 d = vpl.p - point.p;
+  const float r2 = dot(d, d), cosines = dot(point.ng, d) * -dot(vpl.ng(), d);
+  if (!(dot(point.ng, d) > 0) || !(cosines > 0)) return 0;
+  return cosines / (r2 * std::max(r2, nearest_r2));
+}
+
+}  // namespace
+
+std::array<double, 3> measure_intensity(const VplList& list, std::span<const SurfacePoint> points) {
+  const float nearest_r2 = find_nearest_r2(points);
+  std::array<double, 3> sums{}, squares{};
+  for (const Vpl& vpl : list.vpls) {
+    double weight = 0;
+    for (const SurfacePoint& point : points) {
+      const double factor = find_form_factor(point, vpl, nearest_r2);
+      weight += factor * factor;
+    }
+    const std::array<double, 3> of_vpl{vpl.intensity.x, vpl.intensity.y, vpl.intensity.z};
+    for (std::size_t c = 0; c < 3; ++c) {
+      sums[c] += weight * of_vpl[c];
+      squares[c] += weight * of_vpl[c] * of_vpl[c];
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) squares[c] = sums[c] > 0 ? squares[c] / sums[c] : 0;
+  return squares;
+}
+
 Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo) {
   const float cosine = dot(vpl.ng(), wo);
   if (!(cosine > 0)) return {};

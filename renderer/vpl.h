@@ -1,8 +1,10 @@
 // Virtual point lights by particle tracing.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -77,6 +79,11 @@ struct VplSet {
 
 /// Both parts of a set in one list.
 VplList join_vpls(VplSet set);
+
+/// Of VPLs near some points, which may be few: sum of squares over sum, each VPL weighed by the square of the
+/// irradiance that it would bring there, unoccluded and no nearer than a quarter of the points' extent.
+/// shape: channels. units: W/sr
+std::array<double, 3> measure_intensity(const VplList& list, std::span<const SurfacePoint> points);
 
 /// Emission of a VPL of the list towards a unit direction, times the cosine at it. units: W/sr
 Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo);

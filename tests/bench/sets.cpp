@@ -229,6 +229,59 @@ void print_compensation(const Subject& subject, const Options& options) {
   fmt::print("\nA first ray takes {:.2f} paths, going on {:.2f}.\n\n", (costs - walk * shares) / ones, walk);
 }
 
+// Sum of a channel's values over the subject's whole pixels, over that of its squared light.
+template <typename Value>
+double average(const Subject& subject, const Value& value) {
+  double sum = 0, light = 0;
+  for (std::size_t pixel = 0; pixel < subject.coverage.pixel_count(); ++pixel) {
+    if (subject.coverage.values[pixel] < 1) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      sum += value(pixel, c);
+      light += std::pow(subject.light.pixel(pixel)[c], 2);
+    }
+  }
+  return sum / light;
+}
+
+// Variance by level beyond that of C10, of sets and as compensation's paths foresee it.
+void print_levels(const Subject& subject, const Options& options) {
+  constexpr double kVpls = 100e3, kRatio = 0.0025;
+  const PathMaps maps = make_fixed_maps(subject.scene.primary, {64, 64, 64});
+  CompensationParams params;
+  params.clamps_per_m2 = list_finite_clamps();
+  params.seed = options.seed;
+  params.stream_name = "bench";
+  CompensationRecord record;
+  trace_compensation(subject.scene, maps.indirect, params, advance, &record);
+  const std::int64_t paths = find_path_count(subject.scene.world, std::llround(kVpls), options.seed);
+  const std::vector<ShadingPoint> points = make_object_subject(subject.scene.primary).points;
+  std::vector<SurfacePoint> some;
+  for (std::size_t i = 0; i < 32; ++i) some.push_back(points[i * points.size() / 32].surface);
+  const std::array<double, 3> intensity = measure_intensity(
+      join_vpls(trace_vpls(subject.scene.world, subject.scene.materials, paths, options.seed, "bench")),
+      some);
+  std::vector<double> foreseen, seen;
+  for (int level = 1; level < kClampLevelCount; ++level) {
+    VplSetsParams sets_params = make_params(subject, options, kVpls, kRatio);
+    sets_params.sets = 4 * options.sets;
+    sets_params.clamps_per_m2 = {clamp_per_m2(level)};
+    const VplSets sets = trace_vpl_sets(subject.scene, sets_params, [] {});
+    seen.push_back(sets.sets * average(subject, [&](std::size_t pixel, std::size_t c) {
+                     return std::pow(sets.layers[0].standard_error.pixel(pixel)[c], 2);
+                   }));
+    const HdrImage& variance = record.variances[static_cast<std::size_t>(level - 1)];
+    foreseen.push_back(average(
+        subject, [&](std::size_t pixel, std::size_t c) { return intensity[c] * variance.pixel(pixel)[c]; }));
+  }
+  fmt::print("| level | rms % of a set | beyond C10, rms % | the same foreseen |\n|---|---:|---:|---:|\n");
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} |\n", format_clamp(static_cast<int>(i) + 1),
+               100 * std::sqrt(seen[i]), 100 * std::sqrt(std::max(0.0, seen[i] - seen.back())),
+               100 * std::sqrt(foreseen[i] - foreseen.back()));
+  }
+  fmt::print("\n");
+}
+
 void print_object(const Scene& scene, const std::string& key, const Options& options) {
   const Object object = parse_family(key + "-ref-v0", "--objects").object;
   const World world = make_world(scene, object.geometry, object.illumination);
@@ -245,6 +298,7 @@ void print_object(const Scene& scene, const std::string& key, const Options& opt
   print_grid(subject, options);
   print_roulette(subject, options);
   print_compensation(subject, options);
+  print_levels(subject, options);
 }
 
 }  // namespace

@@ -284,5 +284,93 @@ TEST(CompensationLayers, AreTheSameOnOneAndTwoThreadsAndGrowWithTheClamp) {
   }
 }
 
+// Mean over the points of what VPL sums vary by from set to set, of each level: luminance.
+std::vector<double> measure_variances(const Stage& stage, std::size_t sets, std::int64_t paths) {
+  std::vector<std::vector<double>> sums(kAllClamps.size(), std::vector<double>(stage.points.size())),
+      squares = sums;
+  for (std::size_t set = 0; set < sets; ++set) {
+    const VplList vpls = join_vpls(trace_vpls(stage.world, stage.materials, paths, 1 + set, "variance"));
+    const auto shaded = shade_all_vpls(stage.world, stage.points, vpls, {stage.materials[kObjectMaterial]},
+                                       kAllClamps, [](double) {});
+    for (std::size_t level = 0; level < sums.size(); ++level) {
+      for (std::size_t i = 0; i < stage.points.size(); ++i) {
+        const double light = luminance(shaded.radiance[shaded.index(0, level, i)]);
+        sums[level][i] += light;
+        squares[level][i] += light * light;
+      }
+    }
+  }
+  std::vector<double> variances(sums.size());
+  const auto count = static_cast<double>(sets);
+  for (std::size_t level = 0; level < sums.size(); ++level) {
+    for (std::size_t i = 0; i < stage.points.size(); ++i)
+      variances[level] += (squares[level][i] - sums[level][i] * sums[level][i] / count) / (count - 1) /
+                          static_cast<double>(stage.points.size());
+  }
+  return variances;
+}
+
+// What compensation's paths foresee of VPLs that are near is what independent sets show, level over level.
+// Two fifths are allowed: intensities differ from place to place, and sets are few.
+TEST(CompensationRecord, ForeseesTheVarianceOfVplsThatTheClampActsOn) {
+  const Scene cafe = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
+  for (const char* material : {"MS", "GS"}) {
+    const Stage stage(cafe, "G0", material);
+    constexpr std::int64_t kPaths = 1500;
+    const std::vector<double> seen = measure_variances(stage, 32, kPaths);
+    const Primary primary = trace_primary(stage.world, make_view_camera(stage.scene, 0), 96, 72, 1);
+    CompensationRecord record;
+    trace_compensation(
+        {stage.world, stage.materials, primary}, PathMap(96 * 72, 16),
+        {kAllClamps, Emission::kLambertian, 1, "variance", {}}, [](double) {}, &record);
+    std::vector<SurfacePoint> points;
+    for (std::size_t i = 0; i < stage.points.size(); i += 8) points.push_back(stage.points[i].surface);
+    const std::array<double, 3> intensity =
+        measure_intensity(join_vpls(trace_vpls(stage.world, stage.materials, kPaths, 1, "variance")), points);
+    std::vector<double> foreseen(kAllClamps.size());
+    for (std::size_t level = 0; level < foreseen.size(); ++level) {
+      for (const ShadingPoint& point : stage.points) {
+        const float* of_pixel = record.variances[level].pixel(point.pixel);
+        // Of a luminance, as if all channels came together.
+        foreseen[level] += luminance({static_cast<float>(intensity[0] * of_pixel[0]),
+                                      static_cast<float>(intensity[1] * of_pixel[1]),
+                                      static_cast<float>(intensity[2] * of_pixel[2])}) /
+                           static_cast<double>(stage.points.size());
+      }
+    }
+    for (std::size_t level = 5; level < 9; ++level) {
+      const double more_seen = seen[level] - seen[10], more_foreseen = foreseen[level] - foreseen[10];
+      EXPECT_NEAR(more_foreseen / more_seen, 1, 0.4) << material << " C" << level;
+    }
+  }
+}
+
+// Paths go on where the clamp acts or gloss is met, whatever other levels are asked for.
+TEST(CompensationRecord, CountsPathsThatGoOn) {
+  const auto count = [](const char* material, Emission emission, std::vector<double> clamps) {
+    const Stage stage({"G2", material, emission});
+    const Primary primary = trace_primary(stage.world, make_view_camera(stage.scene, 0), 48, 36, 2);
+    CompensationRecord record;
+    trace_compensation(
+        {stage.world, stage.materials, primary}, PathMap(48 * 36, 8),
+        {std::move(clamps), emission, 1, "count", {}}, [](double) {}, &record);
+    return record.walked;
+  };
+  const std::vector<double> whole = count("MR", Emission::kFull, kAllClamps),
+                            lacking = count("MR", Emission::kLambertian, kAllClamps);
+  EXPECT_EQ(whole[0], 0);
+  EXPECT_GT(lacking[0], 0);
+  EXPECT_GT(whole[10], 0.1);
+  for (std::size_t level = 1; level < whole.size(); ++level) {
+    EXPECT_GE(whole[level], whole[level - 1]);
+    EXPECT_GE(lacking[level], whole[level]);
+    EXPECT_LE(lacking[level], 1);
+  }
+  for (std::size_t level : {5u, 8u}) {
+    EXPECT_NEAR(count("MR", Emission::kFull, {kAllClamps[level]})[0], whole[level], 0.02) << level;
+    EXPECT_NEAR(count("MR", Emission::kLambertian, {kAllClamps[level]})[0], lacking[level], 0.02) << level;
+  }
+}
+
 }  // namespace
 }  // namespace equilux
