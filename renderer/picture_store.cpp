@@ -7,8 +7,14 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "stimuli/png_file.h"
+#include "stimuli/verdict.h"
 
 namespace equilux {
+namespace {
+
+std::string file_of(const std::string& key) { return "pictures/" + key + ".png"; }
+
+}  // namespace
 
 bool has_sessions(const StudyFolder& folder) { return path_exists(folder.responses()); }
 
@@ -19,7 +25,9 @@ void refuse_change(const StudyFolder& folder, const std::string& what) {
 }
 
 PictureStore::PictureStore(StudyFolder folder, const Study& study)
-    : folder_(std::move(folder)), locked_(has_sessions(folder_)) {
+    : folder_(std::move(folder)),
+      locked_(has_sessions(folder_)),
+      is_doubted_(!find_verdict(folder_).empty()) {
   if (path_exists(folder_.manifest())) take_earlier(study);
   manifest_.study_name = study.name;
   manifest_.study_digest = study.digest;
@@ -56,7 +64,7 @@ bool PictureStore::keep(const std::string& key, const PictureRecord& wanted) {
   {
     const std::lock_guard lock(mutex_);
     const PictureRecord* found = find(key);
-    if (!found || found->made_from != wanted.made_from) return false;
+    if (!found || found->made_from != wanted.made_from || found->file != file_of(key)) return false;
     record = *found;
   }
   const std::filesystem::path path = folder_.root / record.file;
@@ -67,10 +75,20 @@ bool PictureStore::keep(const std::string& key, const PictureRecord& wanted) {
   return true;
 }
 
+bool PictureStore::shows(const std::string& key, const LdrImage& picture) const {
+  const std::filesystem::path path = folder_.root / file_of(key);
+  try {  // of a file that may be anybody's: the boundary to making it again
+    return load_png_size(path) == PixelSize{picture.width, picture.height} &&
+           load_png(path).values == picture.values;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 void PictureStore::save(const std::string& key, PictureRecord wanted, const LdrImage& picture) {
   const std::string bytes = encode_png(picture);
   wanted.digest = digest_text(bytes);
-  wanted.file = "pictures/" + key + ".png";
+  wanted.file = file_of(key);
   if (locked_) {
     const std::lock_guard lock(mutex_);
     const PictureRecord* found = find(key);

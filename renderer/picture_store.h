@@ -26,9 +26,15 @@ class PictureStore {
   /// Opens what an earlier run left; records of pictures that the study does not have are dropped.
   PictureStore(StudyFolder folder, const Study& study);
 
-  /// True if the picture is on disk as recorded and was made from what `wanted` says; then its record says
-  /// the rest of `wanted` too, which has no file and no digest.
+  /// True if the picture is on disk, under its key's name and as recorded, and was made from what `wanted`
+  /// says; then its record says the rest of `wanted` too, which has no file and no digest.
   bool keep(const std::string& key, const PictureRecord& wanted);
+
+  /// Faults were found and not looked at again (see verdict.h): records are not to be believed.
+  bool is_doubted() const { return is_doubted_; }
+
+  /// Whether the file of this key has these pixels.
+  bool shows(const std::string& key, const LdrImage& picture) const;
 
   /// errors: InputError if the picture may have been shown and is another now; StoreError.
   void save(const std::string& key, PictureRecord wanted, const LdrImage& picture);
@@ -45,7 +51,7 @@ class PictureStore {
   const PictureRecord* find(const std::string& key) const;
 
   StudyFolder folder_;
-  bool locked_;
+  bool locked_, is_doubted_;
   Manifest manifest_;
   Records earlier_;   ///< of a run of another version of the study: they may still be whole
   std::mutex mutex_;  ///< of the records

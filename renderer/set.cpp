@@ -16,6 +16,7 @@
 #include "renderer/set_pictures.h"
 #include "renderer/stopwatch.h"
 #include "renderer/timing.h"
+#include "renderer/verify.h"
 #include "stimuli/verdict.h"
 
 namespace equilux {
@@ -64,7 +65,6 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
     make_folder(part);
     remove_stale_parts(part);
   }
-  remove_verdict(folder);
   // What is damaged is said before hours of work, not after.
   if (path_exists(folder.manifest())) load_manifest(folder.manifest());
   load_timing(folder);
@@ -74,6 +74,14 @@ void prepare_folder(const StudyFolder& folder, const Study& study) {
     copy_once(study.session_path, folder.session(), study,
               [](const fs::path& path, const Study&) { return load_session_protocol(path); });
   save_text(folder.study(), format_json(study.source));
+}
+
+// A verdict goes when what it faulted was looked at again, as it was when it was found.
+void look_again(const StudyFolder& folder, const std::optional<fs::path>& study_path, SetSummary& summary) {
+  if (find_verdict(folder).empty()) return;
+  const Stopwatch watch(summary.seconds["verifying"]);
+  summary.findings =
+      renew_verdict(folder, verify_set(folder.root, study_path).findings, study_path.has_value());
 }
 
 std::string join_warnings(const std::vector<std::string>& warnings) {
@@ -112,7 +120,10 @@ class SetMaker {
     // Shares that were kept for what the set lacked.
     if (!params_.job && has_shares(folder_)) left_ = gather_jobs(folder_, study_, scene_, store);
     warn(left_);
-    if (!params_.job) tonemap_wanted(study_, own, store, wanted_, summary_);
+    if (!params_.job) {
+      tonemap_wanted(study_, own, store, wanted_, summary_);
+      look_again(own, params_.study_path, summary_);
+    }
     tell_times(own);
     return std::move(summary_);
   }
@@ -233,11 +244,11 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const StudyFolder folder{root};
   const Study study = load_folder_study(folder);
   const auto lock = lock_folder(root);
-  remove_verdict(folder);
   const LayerStore store(folder, study);
   SetSummary summary;
   summary.target = study.noise_target;
   tonemap_wanted(study, folder, store, enumerate_wanted(study, only), summary);
+  look_again(folder, {}, summary);
   return summary;
 }
 
@@ -272,6 +283,9 @@ std::string format_summary(const SetSummary& summary) {
     }
   }
   for (const std::string& warning : summary.warnings) text += "warning: " + warning + "\n";
+  if (!summary.findings.empty())
+    text += fmt::format("{} findings of `equilux-render verify` stand, the first {}\n",
+                        summary.findings.size(), format_finding(summary.findings.front()));
   return text;
 }
 

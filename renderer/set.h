@@ -12,6 +12,7 @@
 #include "renderer/cut_error.h"
 #include "renderer/jobs.h"
 #include "renderer/tone.h"
+#include "stimuli/verify_pictures.h"
 
 namespace equilux {
 
@@ -38,15 +39,19 @@ struct SetSummary {
   NoiseTarget target;
   std::map<std::int64_t, ErrorSummary> cut_errors;  ///< by VPL count, pooled over pictures by cuts
   std::vector<std::string> warnings;                ///< what is legal and hardly ever meant
+  std::vector<Finding> findings;  ///< of a whole verification at the end, where an earlier one had some
 };
 
 /// Gathers what shares have left, renders what is missing, then tone-maps. What is whole on disk and made
 /// from the same is kept; a run that was stopped goes on. Where the folder holds sessions, a picture that may
-/// have been shown is never changed. A share stays in its folder in DIR/jobs until it is gathered. errors:
-/// InputError, StoreError; WorkCancelled where this thread's work is controlled: what is whole is kept
+/// have been shown is never changed. While a verdict tells of faults (verdict.h) pictures are compared with
+/// their layers, whatever records say, and the set is verified at the end. A share stays in its folder in
+/// DIR/jobs until it is gathered. errors: InputError, StoreError; WorkCancelled where this thread's work is
+/// controlled: what is whole is kept
 SetSummary make_set(const SetParams& params);
 
-/// Tone-maps the layers of a folder again, by its own study file. errors: InputError if a layer is missing.
+/// Tone-maps the layers of a folder again, by its own study file, and verifies as make_set does. errors:
+/// InputError if a layer is missing.
 SetSummary tonemap_set(const std::filesystem::path& folder, const std::string& only = "*");
 
 std::string format_summary(const SetSummary& summary);

@@ -129,8 +129,11 @@ std::size_t write_pictures(const LoadedFamily& loaded, const std::vector<WantedP
   std::atomic<std::size_t> written = 0;
   for_each_parallel(wanted.size(), [&](std::size_t i) {
     const WantedPicture& picture = wanted[i];
-    if (!pictures.keep(picture.key, picture.record)) {
-      pictures.save(picture.key, picture.record, compose_picture(loaded, picture.make_indirect()));
+    const auto compose = [&] { return compose_picture(loaded, picture.make_indirect()); };
+    const bool is_whole = pictures.keep(picture.key, picture.record) &&
+                          (!pictures.is_doubted() || pictures.shows(picture.key, compose()));
+    if (!is_whole) {
+      pictures.save(picture.key, picture.record, compose());
       ++written;
     }
     progress.advance(1);

@@ -221,7 +221,7 @@ std::vector<Finding> verify_recipes(const fs::path& study_path, const Study& stu
   for (const auto& [name, recipe] :
        list_layers(make_recipes(today, load_scene(today.scene_path), all), all)) {
     if (store.is_other(name, recipe))
-      findings.push_back({name, "made from another study, scene or estimator"});
+      findings.push_back({name, "made from another study, scene or estimator", true});
   }
   return findings;
 }

@@ -27,14 +27,14 @@ std::vector<Finding> find_lost_shares(const VerifyOptions& options) {
   std::vector<Finding> findings;
   for (const int index : find_unfinished(params))
     findings.push_back({fmt::format("share {} of {}", index, options.jobs),
-                        "not whole; `equilux-render submit` with this number renders what it lacks"});
+                        "not whole; `equilux-render submit` with this number renders what it lacks", true});
   return findings;
 }
 
 // A folder that is only to be read can be verified too.
-void record(const VerifyOptions& options, const std::vector<Finding>& findings) {
+void record(const VerifyOptions& options, std::vector<Finding>& findings) {
   try {
-    save_verdict({options.folder}, findings);
+    findings = renew_verdict({options.folder}, findings, !options.study.empty());
   } catch (const StoreError& error) {
     fmt::print(stderr, "what was found is not recorded: {}\n", error.what());
   }

@@ -1,6 +1,8 @@
 // Digests of the records, and the first of what was found.
 #include "stimuli/verdict.h"
 
+#include <algorithm>
+
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
@@ -30,6 +32,13 @@ std::int64_t get_count(const Json& json, const char* key, const std::string& pat
   return member->as_int();
 }
 
+void remove_verdict(const StudyFolder& folder) {
+  std::error_code error;
+  fs::remove(folder.verdict(), error);
+  if (error)
+    throw StoreError(fmt::format("{}: cannot remove: {}", folder.verdict().string(), error.message()));
+}
+
 }  // namespace
 
 void save_verdict(const StudyFolder& folder, const std::vector<Finding>& findings) {
@@ -43,14 +52,20 @@ void save_verdict(const StudyFolder& folder, const std::vector<Finding>& finding
   json.set("manifest", digest_if_there(folder.manifest())).set("layers", digest_if_there(folder.layers()));
   json.set("findings", static_cast<std::int64_t>(findings.size()));
   json.set("first", format_finding(findings.front()));
+  if (std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.by_study_file; }))
+    json.set("by_study_file", true);
   save_text(folder.verdict(), format_json(json));
 }
 
-void remove_verdict(const StudyFolder& folder) {
-  std::error_code error;
-  fs::remove(folder.verdict(), error);
-  if (error)
-    throw StoreError(fmt::format("{}: cannot remove: {}", folder.verdict().string(), error.message()));
+std::vector<Finding> renew_verdict(const StudyFolder& folder, std::vector<Finding> findings,
+                                   bool has_study_file) {
+  const auto earlier = has_study_file ? std::vector<Finding>() : find_verdict(folder);
+  if (earlier.empty() || !earlier.front().by_study_file) {
+    save_verdict(folder, findings);
+  } else {
+    findings.insert(findings.end(), earlier.begin(), earlier.end());
+  }
+  return findings;
 }
 
 std::vector<Finding> find_verdict(const StudyFolder& folder) {
@@ -65,9 +80,12 @@ std::vector<Finding> find_verdict(const StudyFolder& folder) {
   if (count == 0) return {};
   const bool is_same =
       manifest == digest_if_there(folder.manifest()) && layers == digest_if_there(folder.layers());
-  return {{is_same ? "found by `equilux-render verify`, which is to be run again when it is mended"
-                   : "found by `equilux-render verify`, which is to be run again: records were changed since",
-           first}};
+  const Json* flag = json.find("by_study_file");
+  const bool by_study_file = flag && flag->is_bool() && flag->as_bool();
+  const std::string when = is_same ? "which is to be run again when it is mended"
+                                   : "which is to be run again: records were changed since";
+  return {{fmt::format("found by `equilux-render verify{}`, {}", by_study_file ? " --study" : "", when),
+           first, by_study_file}};
 }
 
 }  // namespace equilux

@@ -13,6 +13,7 @@ namespace equilux {
 struct Finding {
   std::string what;  ///< key of a picture, name of a layer or of a file
   std::string wrong;
+  bool by_study_file = false;  ///< the folder alone does not show it
   bool operator==(const Finding&) const = default;
 };
 

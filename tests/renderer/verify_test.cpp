@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <memory>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -14,7 +13,7 @@
 #include "stimuli/layers.h"
 #include "stimuli/origin.h"
 #include "stimuli/png_file.h"
-#include "tests/renderer/tiny_study.h"
+#include "tests/renderer/rendered_set.h"
 #include "tests/support/failures.h"
 #include "tests/support/temp_folder.h"
 
@@ -23,75 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class Verify : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    master_ = std::make_unique<test::TinyStudy>();
-    SetParams params;
-    params.study_path = master_->path();
-    params.folder = master_->folder() / "set";
-    make_set(params);
-  }
-  static void TearDownTestSuite() { master_.reset(); }
-
-  Verify() : study_(own_.path(), 1), folder_{study_.folder() / "set"} {
-    fs::copy(master_->folder() / "set", folder_.root, fs::copy_options::recursive);
-  }
-
-  std::vector<std::string> find(const std::optional<fs::path>& study = {}) const {
-    std::vector<std::string> lines;
-    for (const Finding& finding : verify_set(folder_.root, study).findings)
-      lines.push_back(format_finding(finding));
-    return lines;
-  }
-
-  // The only thing that is found.
-  void expect_only(const std::string& what) const {
-    const auto lines = find();
-    ASSERT_EQ(lines.size(), 1u) << testing::PrintToString(lines);
-    EXPECT_THAT(lines[0], HasSubstr(what));
-  }
-
-  template <typename Change>
-  void change_manifest(const Change& change) const {
-    Manifest manifest = load_manifest(folder_.manifest());
-    change(manifest);
-    save_manifest(manifest, folder_.manifest());
-  }
-
-  // A layer and its record.
-  template <typename Change>
-  void change_layer(const std::string& name, const Change& change) const {
-    const fs::path path = folder_.root / "layers" / (name + ".exr");
-    ExrFile file = load_exr(path);
-    change(file.image);
-    save_exr(file.image, file.metadata, path);
-    Layers layers = load_layers(folder_.layers());
-    layers.by_name.at(name).digest = digest_file(path);
-    save_records(layers);
-  }
-
-  // As if pictures had been made from what the records say.
-  void save_records(const Layers& layers) const {
-    save_layers(layers, folder_.layers());
-    change_manifest([&](Manifest& manifest) {
-      for (auto& [key, record] : manifest.pictures) {
-        const bool is_reference = key.find("-ref-") != std::string::npos;
-        const Family family =
-            is_reference ? parse_family(key, "test") : family_of(parse_condition(key, "test"));
-        const ToneRecord& tone = manifest.tones.at(format_key(family));
-        record.made_from = is_reference ? digest_reference(layers.by_name, tone, family)
-                                        : digest_picture(layers.by_name, tone, parse_condition(key, "test"));
-      }
-    });
-  }
-
-  static std::unique_ptr<test::TinyStudy> master_;  // rendered once
-  const TempFolder own_;
-  const test::TinyStudy study_;
-  const StudyFolder folder_;
-};
-std::unique_ptr<test::TinyStudy> Verify::master_;
+using Verify = test::RenderedSet;
 
 TEST_F(Verify, FindsNothingInASetAsItWasMade) {
   const Verification whole = verify_set(folder_.root, study_.path());

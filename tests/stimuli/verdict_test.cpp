@@ -13,6 +13,7 @@ namespace equilux {
 namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 class Verdict : public testing::Test {
  protected:
@@ -45,12 +46,17 @@ TEST_F(Verdict, TellsTheFirstThatWasFoundEvenIfTheRecordsChange) {
   }
 }
 
-TEST_F(Verdict, GoesBeforeTheFolderChanges) {
-  save_verdict(folder_, {{"a", "b"}});
+TEST_F(Verdict, GoesWhenTheFolderWasLookedAtAsBeforeAndNothingFound) {
+  EXPECT_THAT(renew_verdict(folder_, {{"a", "b"}}, false), SizeIs(1));
   EXPECT_EQ(find_verdict(folder_).size(), 1u) << "without records too";
-  remove_verdict(folder_);
+  EXPECT_THAT(renew_verdict(folder_, {}, false), IsEmpty());
   EXPECT_THAT(find_verdict(folder_), IsEmpty());
-  remove_verdict(folder_);
+  EXPECT_THAT(renew_verdict(folder_, {{"a", "b"}, {"c", "d", true}}, true), SizeIs(2));
+  EXPECT_THAT(renew_verdict(folder_, {}, false), SizeIs(1)) << "the study file was not looked at";
+  ASSERT_EQ(find_verdict(folder_).size(), 1u);
+  EXPECT_THAT(find_verdict(folder_)[0].what, HasSubstr("verify --study"));
+  EXPECT_THAT(renew_verdict(folder_, {}, true), IsEmpty());
+  EXPECT_THAT(find_verdict(folder_), IsEmpty());
 }
 
 TEST_F(Verdict, ThatIsDamagedIsRefused) {
