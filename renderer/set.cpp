@@ -8,11 +8,10 @@
 #include "base/files.h"
 #include "base/folder_lock.h"
 #include "base/work_control.h"
-#include "protocols/session_protocol.h"
 #include "renderer/layer_store.h"
-#include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
 #include "renderer/room_stages.h"
+#include "renderer/set_folder.h"
 #include "renderer/set_pictures.h"
 #include "renderer/stopwatch.h"
 #include "renderer/timing.h"
@@ -25,55 +24,6 @@ namespace fs = std::filesystem;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// What was shown was of one study: that of study.json, or of the manifest where it is lost.
-void check_same_study(const StudyFolder& folder, const Study& study) {
-  std::string shown = study.digest;
-  if (path_exists(folder.study())) {
-    shown = load_study(folder.study()).digest;
-  } else if (path_exists(folder.manifest())) {
-    shown = load_manifest(folder.manifest()).study_digest;
-  }
-  if (shown != study.digest) refuse_change(folder, "another study");
-}
-
-// A folder belongs to the study that was first rendered into it, whatever may become of that study.
-void check_same_name(const StudyFolder& folder, const Study& study) {
-  if (!path_exists(folder.study())) return;
-  const Json shown = parse_json(load_text(folder.study()), folder.study().string());
-  const Json* name = shown.find("name");
-  if (name && name->is_string() && name->as_string() != study.name)
-    throw InputError(folder.root.string(), "", fmt::format("the folder of the study \"{}\"", study.name),
-                     fmt::format("that of \"{}\"; render into another folder", name->as_string()));
-}
-
-// Windows and truth are a person's to edit once they are here; what cannot be used is not copied.
-template <typename Load>
-void copy_once(const fs::path& source, const fs::path& target, const Study& study, const Load& load) {
-  if (!path_exists(target)) {
-    load(source, study);
-    save_text(target, load_text(source));
-  }
-  load(target, study);
-}
-
-void prepare_folder(const StudyFolder& folder, const Study& study) {
-  check_same_name(folder, study);
-  if (has_sessions(folder)) check_same_study(folder, study);
-  for (const fs::path& part : {folder.root, folder.layer_folder(), folder.picture_folder()}) {
-    make_folder(part);
-    remove_stale_parts(part);
-  }
-  // What is damaged is said before hours of work, not after.
-  if (path_exists(folder.manifest())) load_manifest(folder.manifest());
-  load_timing(folder);
-  copy_once(study.windows_path, folder.windows(), study, load_windows);
-  copy_once(study.truth_path, folder.truth(), study, load_truth);
-  if (!study.session_path.empty())
-    copy_once(study.session_path, folder.session(), study,
-              [](const fs::path& path, const Study&) { return load_session_protocol(path); });
-  save_text(folder.study(), format_json(study.source));
 }
 
 // A verdict goes when what it faulted was looked at again, as it was when it was found.
@@ -109,12 +59,10 @@ class SetMaker {
     make_folder(folder_.root);
     const StudyFolder own = params_.job ? open_share() : folder_;
     const auto lock = lock_folder(own.root, params_.patience);
-    prepare_folder(own, study_);
     LayerStore store(own, study_);
-    if (!params_.job) {
-      check_unchanged(folder_, list_layers(recipes_, wanted_), store);
-      left_ = gather_jobs(folder_, study_, scene_, store);
-    }
+    check_may_make(own, store);
+    fill_set_folder(own, study_);
+    if (!params_.job) left_ = gather_jobs(folder_, study_, scene_, store);
     timing_.seconds["checking"] = seconds_since(start);
     complete_layers(own, store);
     // Shares that were kept for what the set lacked.
@@ -143,7 +91,20 @@ class SetMaker {
       throw InputError(folder_.study().string(), "", "a folder whose study.json may be written",
                        "the study file itself; --out names another folder");
     for (const fs::path& other : params_.reuse) load_folder_study({other});
-    if (!params_.render) load_folder_study(folder_);
+    if (!params_.render) check_same_version();
+  }
+
+  // What shares have rendered is of the study that they found.
+  void check_same_version() const {
+    if (load_folder_study(folder_).digest != study_.digest)
+      throw InputError(folder_.root.string(), "", "the folder of this study",
+                       "that of another, or of an older version");
+  }
+
+  // Before the first write.
+  void check_may_make(const StudyFolder& folder, const LayerStore& store) const {
+    check_set_folder(folder, study_);
+    check_unchanged(folder, list_layers(recipes_, wanted_), store);
   }
 
   // The set's own folder is prepared too, so that it can be gathered into.
@@ -162,7 +123,8 @@ class SetMaker {
       if (lock.is_busy()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
       } else if (!path_exists(folder_.study())) {
-        prepare_folder(folder_, study_);
+        check_may_make(folder_, LayerStore(folder_, study_));
+        fill_set_folder(folder_, study_);
       }
     }
   }
