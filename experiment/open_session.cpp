@@ -18,6 +18,7 @@
 #include "experiment/schedule.h"
 #include "protocols/truth.h"
 #include "protocols/windows.h"
+#include "stimuli/change_mark.h"
 #include "stimuli/manifest.h"
 #include "stimuli/selection.h"
 #include "stimuli/verdict.h"
@@ -267,6 +268,7 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
       enumerate_familiar_pages(inputs.study, inputs.protocol, inputs.experiment, inputs.cells);
   const auto keys = enumerate_session_keys(inputs);
   inputs.digests.manifest = digest_pictures(manifest, keys, folder.manifest().string());
+  refuse_findings(find_change_mark(folder), folder);
   refuse_findings(find_verdict(folder), folder);
   refuse_findings(verify_pictures(folder, inputs.study, manifest, keys), folder);
   return inputs;
@@ -301,8 +303,25 @@ void check_not_running(const SessionInputs& inputs, const TrialLog& log, const S
     refuse_running(inputs, log, request.participant);
 }
 
+// The pictures may have been replaced since they were looked at. Asked when the log is there: whoever
+// replaces pictures marks the folder, then looks for a log.
+void check_still_shown(const SessionInputs& inputs) {
+  refuse_findings(find_change_mark(inputs.folder), inputs.folder);
+  const std::string source = inputs.folder.manifest().string();
+  const Manifest manifest = load_checked_manifest(inputs.folder, inputs.study);
+  if (digest_pictures(manifest, enumerate_session_keys(inputs), source) != inputs.digests.manifest)
+    throw InputError(source, "/pictures", "the pictures that the session was prepared with",
+                     "others, made since; begin again");
+}
+
+TrialLog make_log(const SessionInputs& inputs) {
+  check_still_shown(inputs);
+  return TrialLog(inputs.folder.responses(), true);
+}
+
 // Locked before it is looked for, so that of two who begin at once one waits for nobody and one is refused.
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
+  check_still_shown(inputs);
   SessionLock lock(inputs.folder.responses(), name_lock(inputs, request.participant));
   if (lock.is_busy()) refuse_running(inputs, log, request.participant);
   const auto unfinished = find_unfinished_session(inputs, log, request);

@@ -83,7 +83,7 @@ SimulateCounts simulate_subjects(const StudyFolder& folder, const SimulateParams
   std::optional<TrialLog> found = find_log(folder);
   SessionRequest request{params.experiment, SubjectKind::kPlanted, "", params.seed, params.truth, {}};
   const SessionInputs inputs = load_session_inputs(folder, found ? &*found : nullptr, request);
-  TrialLog log = found ? std::move(*found) : TrialLog(folder.responses(), true);
+  TrialLog log = found ? std::move(*found) : make_log(inputs);
   Progress progress(fmt::format("simulate {}", format_experiment(params.experiment)), params.subjects);
   SimulateCounts counts;
   const auto seat = [&](const std::string& participant) {

@@ -6,6 +6,7 @@
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "stimuli/change_mark.h"
 #include "stimuli/png_file.h"
 #include "stimuli/verdict.h"
 
@@ -24,10 +25,16 @@ void refuse_change(const StudyFolder& folder, const std::string& what) {
                    what + "; render into a new folder");
 }
 
+void begin_change(const StudyFolder& folder, const std::string& what) {
+  const bool is_first = find_change_mark(folder).empty();
+  if (is_first) save_change_mark(folder);
+  if (!has_sessions(folder)) return;
+  if (is_first) remove_change_mark(folder);
+  refuse_change(folder, what);
+}
+
 PictureStore::PictureStore(StudyFolder folder, const Study& study)
-    : folder_(std::move(folder)),
-      locked_(has_sessions(folder_)),
-      is_doubted_(!find_verdict(folder_).empty()) {
+    : folder_(std::move(folder)), is_doubted_(!find_verdict(folder_).empty()) {
   if (path_exists(folder_.manifest())) take_earlier(study);
   manifest_.study_name = study.name;
   manifest_.study_digest = study.digest;
@@ -89,10 +96,10 @@ void PictureStore::save(const std::string& key, PictureRecord wanted, const LdrI
   const std::string bytes = encode_png(picture);
   wanted.digest = digest_text(bytes);
   wanted.file = file_of(key);
-  if (locked_) {
+  {
     const std::lock_guard lock(mutex_);
     const PictureRecord* found = find(key);
-    if (found && found->digest != wanted.digest) refuse_change(folder_, "another " + key);
+    if (found && found->digest != wanted.digest) begin_change(folder_, "another " + key);
   }
   save_text(folder_.root / wanted.file, bytes);
   const std::lock_guard lock(mutex_);

@@ -19,6 +19,11 @@ bool has_sessions(const StudyFolder& folder);
 /// errors: always InputError: `what` would change the pictures of a folder with sessions.
 [[noreturn]] void refuse_change(const StudyFolder& folder, const std::string& what);
 
+/// Before anything that may be shown is replaced: marks the folder (change_mark.h) and looks for sessions
+/// after that, as one that begins looks for the mark after it has made the log. errors: as refuse_change,
+/// where there are sessions; StoreError
+void begin_change(const StudyFolder& folder, const std::string& what);
+
 /// Its manifest holds pictures of today's study alone, at any moment: those of an earlier run of the same
 /// study, and those that were kept or saved since. `keep` and `save` are thread-safe beside each other.
 class PictureStore {
@@ -51,7 +56,7 @@ class PictureStore {
   const PictureRecord* find(const std::string& key) const;
 
   StudyFolder folder_;
-  bool locked_, is_doubted_;
+  bool is_doubted_;
   Manifest manifest_;
   Records earlier_;   ///< of a run of another version of the study: they may still be whole
   std::mutex mutex_;  ///< of the records

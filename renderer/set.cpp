@@ -1,6 +1,7 @@
 // A set: check, render what is missing, tone-map, tell.
 #include "renderer/set.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -9,6 +10,7 @@
 #include "base/folder_lock.h"
 #include "base/work_control.h"
 #include "renderer/layer_store.h"
+#include "renderer/picture_store.h"
 #include "renderer/render_layers.h"
 #include "renderer/room_stages.h"
 #include "renderer/set_folder.h"
@@ -16,6 +18,7 @@
 #include "renderer/stopwatch.h"
 #include "renderer/timing.h"
 #include "renderer/verify.h"
+#include "stimuli/change_mark.h"
 #include "stimuli/verdict.h"
 
 namespace equilux {
@@ -24,6 +27,12 @@ namespace fs = std::filesystem;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The mark goes when what the run replaced is whole, and stays where that was a part of what changes.
+void end_change(const StudyFolder& folder, bool has_more, SetSummary& summary) {
+  if (!has_more) return remove_change_mark(folder);
+  for (const Finding& change : find_change_mark(folder)) summary.warnings.push_back(format_finding(change));
 }
 
 // A verdict goes when what it faulted was looked at again, as it was when it was found.
@@ -61,6 +70,8 @@ class SetMaker {
     const auto lock = lock_folder(own.root, params_.patience);
     LayerStore store(own, study_);
     check_may_make(own, store);
+    if (!params_.job && replaces_shown(store)) begin_change(folder_, "other layers");
+    const bool is_changing = !find_change_mark(folder_).empty();
     fill_set_folder(own, study_);
     if (!params_.job) left_ = gather_jobs(folder_, study_, scene_, store);
     timing_.seconds["checking"] = seconds_since(start);
@@ -70,6 +81,7 @@ class SetMaker {
     warn(left_);
     if (!params_.job) {
       tonemap_wanted(study_, own, store, wanted_, summary_);
+      end_change(own, is_changing && params_.only != "*", summary_);
       look_again(own, params_.study_path, summary_);
     }
     tell_times(own);
@@ -96,9 +108,8 @@ class SetMaker {
 
   // What shares have rendered is of the study that they found.
   void check_same_version() const {
-    if (load_folder_study(folder_).digest != study_.digest)
-      throw InputError(folder_.root.string(), "", "the folder of this study",
-                       "that of another, or of an older version");
+    load_folder_study(folder_);
+    check_folder_of(study_, folder_);
   }
 
   // Before the first write.
@@ -127,6 +138,19 @@ class SetMaker {
         fill_set_folder(folder_, study_);
       }
     }
+  }
+
+  // Whether layers or the study of pictures that may be shown become others.
+  bool replaces_shown(const LayerStore& store) const {
+    if (!path_exists(folder_.manifest())) return false;
+    if (load_manifest(folder_.manifest()).study_digest != study_.digest) return true;
+    const auto is_replaced = [&](const auto& layer) { return store.is_other(layer.first, layer.second); };
+    const auto any_is_replaced = [&](const std::map<std::string, std::string>& layers) {
+      return std::any_of(layers.begin(), layers.end(), is_replaced);
+    };
+    if (!has_shares(folder_)) return any_is_replaced(list_layers(recipes_, wanted_));
+    const Wanted all = enumerate_wanted(study_, "*");  // is what shares may bring
+    return any_is_replaced(list_layers(make_recipes(study_, scene_, all), all));
   }
 
   void adopt_from(const fs::path& root, LayerStore& store) {
@@ -207,9 +231,11 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const Study study = load_folder_study(folder);
   const auto lock = lock_folder(root);
   const LayerStore store(folder, study);
+  const bool is_changing = !find_change_mark(folder).empty();
   SetSummary summary;
   summary.target = study.noise_target;
   tonemap_wanted(study, folder, store, enumerate_wanted(study, only), summary);
+  end_change(folder, is_changing, summary);
   look_again(folder, {}, summary);
   return summary;
 }

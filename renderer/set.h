@@ -45,7 +45,8 @@ struct SetSummary {
 /// Gathers what shares have left, renders what is missing, then tone-maps. What is whole on disk and made
 /// from the same is kept; a run that was stopped goes on. Where the folder holds sessions, a picture that may
 /// have been shown is never changed. While a verdict tells of faults (verdict.h) pictures are compared with
-/// their layers, whatever records say, and the set is verified at the end. A share stays in its folder in
+/// their layers, whatever records say, and the set is verified at the end. While pictures that may be shown
+/// are replaced the folder is marked (change_mark.h). A share stays in its folder in
 /// DIR/jobs until it is gathered. errors: InputError, StoreError; WorkCancelled where this thread's work is
 /// controlled: what is whole is kept
 SetSummary make_set(const SetParams& params);

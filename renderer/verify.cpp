@@ -12,6 +12,7 @@
 #include "renderer/jobs.h"
 #include "renderer/parallel.h"
 #include "renderer/record_check.h"
+#include "stimuli/change_mark.h"
 #include "stimuli/png_file.h"
 
 namespace equilux {
@@ -245,6 +246,7 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
       enumerate_references(study).size() * std::size(kFamilyContents) + enumerate_conditions(study).size();
   auto& findings = verification.findings;
   findings = verify_manifest(folder, study);
+  for (Finding& change : find_change_mark(folder)) findings.push_back(std::move(change));
   if (study.paths)
     verification.notes.push_back(
         "the study fixes its paths: the errors of its references are not held to its noise target");

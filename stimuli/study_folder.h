@@ -35,6 +35,7 @@ struct StudyFolder {
   std::filesystem::path picture_folder() const { return root / "pictures"; }          ///< PNG
   std::filesystem::path manifest() const { return root / "manifest.json"; }           ///< what may be shown
   std::filesystem::path verdict() const { return root / "verdict.json"; }             ///< see verdict.h
+  std::filesystem::path changing() const { return root / "changing.txt"; }            ///< see change_mark.h
   std::filesystem::path responses() const { return root / "responses.sqlite"; }
   std::filesystem::path selection(SubjectKind kind) const {
     return root / ("selection-" + format_kind(kind) + ".json");

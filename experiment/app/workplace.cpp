@@ -158,7 +158,7 @@ Seat take_seat(Workplace& work, const std::map<std::string, std::string>& fields
   work.request.fields = find_screen_fields(work.setup, work.facts);
   work.request.fields.insert(fields.begin(), fields.end());
   work.request.fields["prompt"] = work.texts.at("prompt_" + format_experiment(work.inputs.experiment));
-  TrialLog log = work.log ? std::move(*work.log) : TrialLog(work.folder().responses(), true);
+  TrialLog log = work.log ? std::move(*work.log) : make_log(work.inputs);
   work.log.reset();
   OpenSession open = open_session(work.inputs, log, work.request);
   const auto notes = count_notes(log.load_events(open.row.id));

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "experiment/schedule.h"
+#include "stimuli/change_mark.h"
 #include "stimuli/layers.h"
 #include "stimuli/verdict.h"
 #include "tests/experiment/fake_study.h"
@@ -257,6 +258,34 @@ TEST_F(OpenSessionTest, RefusesASetThatDidNotVerify) {
                        HasSubstr("G0-MS-ind-1k-C7-v0: its background is not that of its reference")));
   save_verdict(folder_, {});
   EXPECT_EQ(open("P1").row.participant, "P1");
+}
+
+TEST_F(OpenSessionTest, RefusesAFolderWhosePicturesAreBeingReplaced) {
+  save_change_mark(folder_);
+  expect_refused(AllOf(HasSubstr("changing.txt: pictures are being made anew"), HasSubstr("without --only")));
+  remove_change_mark(folder_);
+  EXPECT_EQ(open("P1").row.participant, "P1");
+}
+
+// From the start of the program to that of the session a person reads and agrees, for minutes.
+TEST_F(OpenSessionTest, RefusesPicturesThatAreOthersThanItWasPreparedWith) {
+  const SessionRequest request = request_of("P1");
+  const SessionInputs inputs = load_session_inputs(folder_, &log_, request);
+  const auto expect_none_begun = [&](const std::string& why) {
+    EXPECT_THAT([&] { open_session(inputs, log_, request); }, ThrowsMessage<InputError>(HasSubstr(why)));
+    EXPECT_THAT([&] { make_log(inputs); }, ThrowsMessage<InputError>(HasSubstr(why)));
+    EXPECT_THAT(log_.load_sessions(), IsEmpty());
+  };
+  save_change_mark(folder_);
+  expect_none_begun("pictures are being made anew");
+  remove_change_mark(folder_);
+  const Manifest before = load_manifest(folder_.manifest());
+  Manifest manifest = before;
+  manifest.pictures.at("G0-MS-ind-ref-v0").digest = digest_text("another");
+  save_manifest(manifest, folder_.manifest());
+  expect_none_begun("expected the pictures that the session was prepared with, got others, made since");
+  save_manifest(before, folder_.manifest());
+  EXPECT_EQ(open_session(inputs, log_, request).row.participant, "P1");
 }
 
 TEST_F(OpenSessionTest, RefusesAPictureOfAnotherSize) {
