@@ -8,18 +8,21 @@ namespace equilux {
 
 /// The layers of a family, loaded once for all its pictures. `base` is background and direct light.
 struct LoadedFamily {
+  std::filesystem::path layer_folder;
   HdrImage background, coverage, direct, indirect, standard_error, base;
   ToneCurve tone;
   DisplayNoise noise;
 };
 
-/// errors: InputError for a layer that is missing or damaged
+/// errors: InputError for a layer that is missing or damaged or has a value below 0, and for a sum that is
+/// not finite
 LoadedFamily load_family(const Study& study, const LayerStore& store, const Family& family);
 
 /// The object's indirect light of a VPL picture, normalised where the condition is. errors: as load_family
 HdrImage load_vpl_layer(const LayerStore& store, Condition condition);
 
-/// The picture of a family with this indirect light.
-LdrImage compose_picture(const LoadedFamily& family, const HdrImage& indirect);
+/// The picture of a family with the indirect light of this layer. errors: InputError for a sum that is not
+/// finite
+LdrImage compose_picture(const LoadedFamily& family, const HdrImage& indirect, const std::string& layer);
 
 }  // namespace equilux

@@ -91,9 +91,10 @@ void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSu
     summary.warnings.push_back(key + ": the background is black");
 }
 
-// A picture of a family: what its record says but for its file, and its object's indirect light.
+// A picture of a family: what its record says but for its file, and its object's indirect light by the layer
+// of this name.
 struct WantedPicture {
-  std::string key;
+  std::string key, layer;
   PictureRecord record;
   std::function<HdrImage()> make_indirect;
 };
@@ -112,11 +113,14 @@ std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const Layer
   const ToneRecord& tone = loaded.tone.record;
   std::vector<WantedPicture> pictures{
       {format_key(family),
+       layer_name(family, "indirect"),
        {"", "", digest_reference(store.records(), tone, family), make_json(loaded.noise), reference},
        [&] { return loaded.indirect; }}};
   for (const Condition& condition : conditions) {
-    const Json vpls = tell_vpls(store, vpl_layer_name(condition));
+    const std::string layer = vpl_layer_name(condition);
+    const Json vpls = tell_vpls(store, layer);
     pictures.push_back({format_key(condition),
+                        layer,
                         {"", "", digest_picture(store.records(), tone, condition), {}, {}, vpls},
                         [&] { return load_vpl_layer(store, condition); }});
   }
@@ -129,7 +133,7 @@ std::size_t write_pictures(const LoadedFamily& loaded, const std::vector<WantedP
   std::atomic<std::size_t> written = 0;
   for_each_parallel(wanted.size(), [&](std::size_t i) {
     const WantedPicture& picture = wanted[i];
-    const auto compose = [&] { return compose_picture(loaded, picture.make_indirect()); };
+    const auto compose = [&] { return compose_picture(loaded, picture.make_indirect(), picture.layer); };
     const bool is_whole = pictures.keep(picture.key, picture.record) &&
                           (!pictures.is_doubted() || pictures.shows(picture.key, compose()));
     if (!is_whole) {

@@ -31,12 +31,11 @@ bool is_same(const ToneRecord& a, const ToneRecord& b) {
 
 bool is_black(const float* pixel) { return pixel[0] == 0 && pixel[1] == 0 && pixel[2] == 0; }
 
-// What a layer shows where it may not: `allowed` by the pixel's coverage.
+// Light of a layer where it may not be: `allowed` by the pixel's coverage.
 template <typename Allowed>
 std::string find_misplaced(const HdrImage& layer, const HdrImage& coverage, const Allowed& allowed) {
   for (std::size_t i = 0; i < layer.pixel_count(); ++i) {
     const float* p = layer.pixel(i);
-    if (p[0] < 0 || p[1] < 0 || p[2] < 0) return fmt::format("negative at pixel {}", i);
     if (!is_black(p) && !allowed(coverage.values[i]))
       return fmt::format("light outside its place, at pixel {}", i);
   }
@@ -135,7 +134,7 @@ class FamilyVerifier {
     }
     shown_ = load_shown(record->second);
     if (!shown_) return;
-    if (shown_->values != compose_picture(*loaded_, loaded_->indirect).values)
+    if (shown_->values != compose_picture(*loaded_, loaded_->indirect, key + ".indirect").values)
       add(key, "the picture is not that of its layers");
   }
 
@@ -152,7 +151,7 @@ class FamilyVerifier {
     if (record == set_.manifest.pictures.end()) return;
     const auto picture = load_shown(record->second);
     if (!picture) return;
-    if (picture->values != compose_picture(*loaded_, layer).values)
+    if (picture->values != compose_picture(*loaded_, layer, name).values)
       add(key, "the picture is not that of its layers");
     if (shown_ && differs_outside(*picture)) add(key, "its background is not that of its reference");
   }

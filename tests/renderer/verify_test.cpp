@@ -96,7 +96,8 @@ TEST_F(Verify, FindsLightOutsideItsPlaceAndBelowNothing) {
   ASSERT_GE(lines.size(), 2u);
   EXPECT_THAT(lines[0], HasSubstr("G0-MS-ind-100-C4-v1: light outside its place, at pixel 0"));
   change_layer("G0-MS-ind-100-C4-v1", [](HdrImage& layer) { layer.values[0] = -0.5f; });
-  EXPECT_THAT(find()[0], HasSubstr("negative at pixel 0"));
+  EXPECT_THAT(find()[0],
+              HasSubstr("G0-MS-ind-100-C4-v1.exr: pixel (0, 0): expected a value of 0 or more, got -0.5"));
 }
 
 TEST_F(Verify, FindsALevelBrighterThanAWeakerClamp) {
