@@ -4,11 +4,20 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "stimuli/layers.h"
 
 namespace equilux {
 namespace {
 namespace fs = std::filesystem;
+
+// Of a pixel: six layers, two sums, the values that the curve is made of and, of the local operator, blurs;
+// of a picture its layers, their sum, its pixels and what it is compared with.
+constexpr std::uint64_t kBytesOfFamily = 180, kBytesOfPicture = 60;
+
+std::uint64_t count_pixels(const Study& study) {
+  return static_cast<std::uint64_t>(study.width) * static_cast<std::uint64_t>(study.height);
+}
 
 template <typename Allowed>
 void check_values(const HdrImage& image, const fs::path& source, const char* expected,
@@ -39,6 +48,15 @@ HdrImage add_layers(const std::vector<const HdrImage*>& layers, const fs::path& 
 }
 
 }  // namespace
+
+std::uint64_t estimate_family_memory(const Study& study) { return kBytesOfFamily * count_pixels(study); }
+
+std::uint64_t estimate_picture_memory(const Study& study) { return kBytesOfPicture * count_pixels(study); }
+
+void with_family_memory(const StudyFolder& folder, const Study& study, const std::function<void()>& body) {
+  with_memory(fmt::format("{}: pictures of {} x {} pixels", folder.root.string(), study.width, study.height),
+              estimate_family_memory(study), body);
+}
 
 LoadedFamily load_family(const Study& study, const LayerStore& store, const Family& family) {
   const auto load = [&](const char* content) { return load_light(store, layer_name(family, content)); };

@@ -1,6 +1,9 @@
 // From the layers of a family to its pictures.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+
 #include "renderer/layer_store.h"
 #include "renderer/tone.h"
 
@@ -13,6 +16,15 @@ struct LoadedFamily {
   ToneCurve tone;
   DisplayNoise noise;
 };
+
+/// What a family takes while it is loaded, with a picture of its in the making; what each picture takes
+/// beside it. units: bytes
+std::uint64_t estimate_family_memory(const Study& study);
+std::uint64_t estimate_picture_memory(const Study& study);
+
+/// Runs `body` if there is room for a family. errors: InputError that names folder and size of pictures, also
+/// where an allocation fails on the way
+void with_family_memory(const StudyFolder& folder, const Study& study, const std::function<void()>& body);
 
 /// errors: InputError for a layer that is missing or damaged or has a value below 0, and for a sum that is
 /// not finite

@@ -64,6 +64,12 @@ int count_threads() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism), 4096));
 }
 
+int fit_threads(std::uint64_t bytes, std::optional<std::uint64_t> there) {
+  const auto most = static_cast<std::uint64_t>(count_threads());
+  if (!there || bytes == 0) return static_cast<int>(most);
+  return static_cast<int>(std::clamp<std::uint64_t>(*there / bytes, 1, most));
+}
+
 struct ThreadLimit::Impl {
   std::optional<tbb::global_control> control;
 };

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/large_array.h"
@@ -28,6 +29,10 @@ void sort_parallel(LargeArray<KeyedIndex>& values);
 
 /// Threads that a loop may use now.
 int count_threads();
+
+/// Of these threads those that fit at once, each taking `bytes` of what there is; one at least. `there` is
+/// empty where the system does not say.
+int fit_threads(std::uint64_t bytes, std::optional<std::uint64_t> there);
 
 /// While it lives, loops use at most this many threads (0: as many as there are cores).
 class ThreadLimit {

@@ -432,6 +432,10 @@ void render_group(const GroupJob& job, const WorldKey& key, const Wanted& missin
   }
 }
 
+// Of a pixel where there are cuts: the layers that the floor of their error comes from, and the curve's
+// values.
+constexpr std::uint64_t kBytesOfFloor = 76;
+
 // Of a pixel and material: layers of five kinds, with the sums that their errors come from.
 constexpr std::uint64_t kBytesOfMaterial = 190;
 
@@ -441,7 +445,7 @@ std::uint64_t estimate_view_memory(const Study& study) {
   for (const Block& block : study.blocks) materials.insert(block.materials.begin(), block.materials.end());
   const auto pixels = static_cast<std::uint64_t>(study.width) * static_cast<std::uint64_t>(study.height);
   return pixels * (static_cast<std::uint64_t>(study.subpixel_positions) * sizeof(PrimaryHit) +
-                   kBytesOfMaterial * materials.size());
+                   kBytesOfMaterial * materials.size() + kBytesOfFloor);
 }
 
 // What is not there is said before hours of work, not after.

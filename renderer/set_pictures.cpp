@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/progress.h"
 #include "base/work_control.h"
 #include "renderer/compose.h"
@@ -159,6 +160,7 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   pictures.set_tone(key, loaded.tone.record);
   const auto wanted = list_pictures(loaded, store, family, conditions);
   summary.pictures += wanted.size();
+  const ThreadLimit limit(fit_threads(estimate_picture_memory(study), find_available_memory()));
   summary.pictures_written += write_pictures(loaded, wanted, pictures, progress);
 }
 
@@ -185,7 +187,7 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   const Stopwatch watch(summary.seconds["pictures"]);
   PictureStore pictures(folder, study);
   try {
-    tonemap_families(study, store, wanted, pictures, summary);
+    with_family_memory(folder, study, [&] { tonemap_families(study, store, wanted, pictures, summary); });
   } catch (const WorkCancelled&) {
     pictures.save_record();
     throw;

@@ -7,6 +7,7 @@
 #include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "renderer/compose.h"
 #include "renderer/tone.h"
 #include "stimuli/png_file.h"
 
@@ -55,19 +56,20 @@ const ToneRecord& find_tone(const SheetSource& source, const std::string& key) {
 
 // One channel. units: displayed steps of 255
 HdrImage measure_error(const SheetSource& source, const SheetCell& cell) {
-  const auto load = [&](const char* content) { return source.layers.load(layer_name(cell.family, content)); };
-  const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect");
-  const HdrImage reference = composite({&background, &direct, &indirect});
-  ToneCurve tone = make_tone_curve(reference, load("coverage"), source.study.tone);
-  const ToneRecord& recorded = find_tone(source, format_key(cell.family));
-  if (recorded.tone_operator != tone.record.tone_operator) {
-    throw InputError(source.folder.manifest().string(), "/tones",
-                     fmt::format("the study's operator, {}", tone.record.tone_operator),
-                     recorded.tone_operator);
-  }
-  tone.record = recorded;
-  const auto noise = measure_pixel_noise(reference, load("standard_error"), tone);
-  HdrImage steps(reference.width, reference.height, 1);
+  std::vector<double> noise;
+  with_family_memory(source.folder, source.study, [&] {
+    LoadedFamily loaded = load_family(source.study, source.layers, cell.family);
+    const ToneRecord& recorded = find_tone(source, format_key(cell.family));
+    if (recorded.tone_operator != loaded.tone.record.tone_operator) {
+      throw InputError(source.folder.manifest().string(), "/tones",
+                       fmt::format("the study's operator, {}", loaded.tone.record.tone_operator),
+                       recorded.tone_operator);
+    }
+    loaded.tone.record = recorded;
+    const HdrImage reference = composite({&loaded.base, &loaded.indirect});
+    noise = measure_pixel_noise(reference, loaded.standard_error, loaded.tone);
+  });
+  HdrImage steps(source.study.width, source.study.height, 1);
   std::transform(noise.begin(), noise.end(), steps.values.begin(),
                  [](double value) { return static_cast<float>(value); });
   return steps;

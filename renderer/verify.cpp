@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/memory.h"
 #include "base/progress.h"
 #include "renderer/compose.h"
 #include "renderer/jobs.h"
@@ -200,6 +201,7 @@ std::vector<Finding> verify_families(const VerifiedSet& set) {
     conditions[family_of(condition)].push_back(condition);
   std::vector<std::vector<Finding>> by_family(families.size());
   Progress progress("verifying", static_cast<double>(families.size()));
+  const ThreadLimit limit(fit_threads(estimate_family_memory(set.study), find_available_memory()));
   for_each_parallel(families.size(), [&](std::size_t i) {
     const auto found = conditions.find(families[i]);
     by_family[i] = FamilyVerifier(set, families[i])
@@ -257,8 +259,10 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
     findings.insert(findings.end(), more.begin(), more.end());
   }
   const Manifest manifest = path_exists(folder.manifest()) ? load_manifest(folder.manifest()) : Manifest();
-  const auto more = verify_families({folder, study, manifest, store});
-  findings.insert(findings.end(), more.begin(), more.end());
+  with_family_memory(folder, study, [&] {
+    const auto more = verify_families({folder, study, manifest, store});
+    findings.insert(findings.end(), more.begin(), more.end());
+  });
   return verification;
 }
 

@@ -20,8 +20,8 @@ struct Verification {
 /// is the reference's, the standard error what the layers say, each picture what its layers give, and its
 /// background that of its reference; that cuts are certified where the study asks for it, and that no
 /// reference by VPL sets lacks its path-traced check or fails it. With a study file also that each layer was
-/// made from today's study and scene. errors: InputError where `folder` is no study folder, or the study file
-/// is another's
+/// made from today's study and scene. As many families at once as there is memory for. errors: InputError
+/// where `folder` is no study folder, the study file is another's, or there is no memory for one family
 Verification verify_set(const std::filesystem::path& folder,
                         const std::optional<std::filesystem::path>& study_path);
 

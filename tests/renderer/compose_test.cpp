@@ -1,11 +1,15 @@
 // Layers of strangers: whole, finite, and of no picture.
+#include "renderer/compose.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/memory.h"
 #include "renderer/set.h"
+#include "renderer/sheet_cells.h"
 #include "tests/renderer/rendered_set.h"
 #include "tests/support/failures.h"
 
@@ -59,6 +63,32 @@ TEST_F(Compose, RefusesLightBelowNothing) {
     expect_refused(layer + ".exr: pixel (23, 17): expected a value of 0 or more, got -0.25");
     change_layer(layer, [&](HdrImage& image) { image.values.back() = before; });
   }
+}
+
+// Said with the folder's name before a layer is read. 16384 x 16384 pixels take 45 GiB.
+TEST_F(Compose, AsksForTheMemoryOfAFamily) {
+  Json json = parse_json(load_text(folder_.study()), "study");
+  json.set("image", parse_json(R"({"width": 16384, "height": 16384})", ""));
+  save_text(folder_.study(), format_json(json));
+  const Study study = load_folder_study(folder_);
+  const auto there = find_available_memory();
+  if (!there || *there > estimate_family_memory(study)) GTEST_SKIP() << "this machine has too much";
+  change_manifest([&](Manifest& manifest) {
+    manifest.study_digest = study.digest;
+    manifest.width = manifest.height = 16384;
+  });
+  const auto expect_asked = [&](const auto& body) {
+    EXPECT_THAT(message_of<InputError>(body),
+                HasSubstr(folder_.root.string() + ": pictures of 16384 x 16384 pixels: "
+                                                  "expected about 45.0 GiB of memory, got "));
+  };
+  expect_asked([&] { verify_set(folder_.root, {}); });
+  expect_asked([&] { tonemap_set(folder_.root); });
+  const SheetSource source = open_sheet_source(folder_.root);
+  expect_asked([&] {
+    load_cell(source, {CellKind::kError, "G0-MS-ind-ref-v0", parse_family("G0-MS-ind-ref-v0", "test")}, {},
+              {}, {});
+  });
 }
 
 }  // namespace

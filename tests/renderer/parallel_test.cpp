@@ -27,6 +27,15 @@ TEST(ParallelLoop, ThrowsWhatItsBodyThrows) {
                std::runtime_error);
 }
 
+TEST(ParallelLoop, FitsAsManyThreadsAsThereIsMemoryFor) {
+  const ThreadLimit limit(3);
+  EXPECT_EQ(count_threads(), 3);
+  EXPECT_EQ(fit_threads(100, 299), 2);
+  EXPECT_EQ(fit_threads(100, 1000), 3);
+  EXPECT_EQ(fit_threads(100, 99), 1) << "that one fits is asked elsewhere";
+  EXPECT_EQ(fit_threads(100, {}), 3);
+}
+
 // Long enough that a thread which is kept waiting between two lines misses few of them.
 void do_a_piece() { std::this_thread::sleep_for(std::chrono::microseconds(200)); }
 
