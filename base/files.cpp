@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 #include <unistd.h>
+#include <utility>
 
 #include "base/error.h"
 #include "base/program.h"
@@ -28,7 +29,9 @@ class OpenFile {
       : path_(path), descriptor_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
     if (descriptor_ < 0) fail_store(path, "open");
   }
-  ~OpenFile() { ::close(descriptor_); }
+  ~OpenFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
   OpenFile(const OpenFile&) = delete;
   OpenFile& operator=(const OpenFile&) = delete;
 
@@ -42,6 +45,10 @@ class OpenFile {
   }
   void sync() {
     if (::fsync(descriptor_) != 0) fail_store(path_, "sync");
+  }
+  // Where a file system of the network tells that a disk or a quota is full.
+  void close() {
+    if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) fail_store(path_, "close");
   }
 
  private:
@@ -83,6 +90,23 @@ bool has_ended(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH
 // A file takes seconds to write; that the process of another machine runs cannot be asked.
 constexpr auto kLongestWrite = std::chrono::hours(24);
 
+// `write` leaves the bytes of the temporary file on the disk.
+void replace_file(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  if (path_exists(path) && !is_file(path)) {
+    throw StoreError(fmt::format("{}: cannot write: expected a regular file or a free name, got another kind",
+                                 path.string()));
+  }
+  const fs::path temporary = part_path(path);
+  try {
+    write(temporary);
+    if (::rename(temporary.c_str(), path.c_str()) != 0) fail_store(path, "rename a new file to");
+    OpenFile(folder_of(path), O_RDONLY | O_DIRECTORY).sync();
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+}
+
 bool is_stale(const fs::path& part) {
   const auto writer = find_writer(part);
   if (!writer) return false;
@@ -116,8 +140,11 @@ std::string load_text(const fs::path& path, std::size_t max_bytes) {
 }
 
 void save_text(const fs::path& path, std::string_view text) {
-  save_atomically(path, [&](const fs::path& temporary) {
-    OpenFile(temporary, O_WRONLY | O_CREAT | O_TRUNC).write(text);
+  replace_file(path, [&](const fs::path& temporary) {
+    OpenFile file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+    file.write(text);
+    file.sync();
+    file.close();
   });
 }
 
@@ -142,20 +169,12 @@ void check_writable(const fs::path& path) {
 }
 
 void save_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
-  if (path_exists(path) && !is_file(path)) {
-    throw StoreError(fmt::format("{}: cannot write: expected a regular file or a free name, got another kind",
-                                 path.string()));
-  }
-  const fs::path temporary = part_path(path);
-  try {
+  replace_file(path, [&](const fs::path& temporary) {
     write(temporary);
-    OpenFile(temporary, O_RDONLY).sync();
-    if (::rename(temporary.c_str(), path.c_str()) != 0) fail_store(path, "rename a new file to");
-    OpenFile(folder_of(path), O_RDONLY | O_DIRECTORY).sync();
-  } catch (...) {
-    ::unlink(temporary.c_str());
-    throw;
-  }
+    OpenFile file(temporary, O_RDONLY);
+    file.sync();
+    file.close();
+  });
 }
 
 void remove_stale_parts(const fs::path& folder) {
