@@ -161,8 +161,9 @@ void add_gather(CLI::App& app, CommandLine& line) {
   gather->footer("Example: equilux-render gather protocols/pocket.json --out studies/pocket");
   gather->callback([&line, params] {
     line.command = [params] {
-      fmt::print("{}\n{}\n", format_summary(make_set(*params)), params->folder.string());
-      return kExitOk;
+      const SetSummary summary = make_set(*params);
+      fmt::print("{}\n{}\n", format_summary(summary), params->folder.string());
+      return is_within_limits(summary) ? kExitOk : kExitError;
     };
   });
 }

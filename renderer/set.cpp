@@ -240,6 +240,10 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   return summary;
 }
 
+bool is_within_limits(const SetSummary& summary) {
+  return summary.missed.empty() && summary.findings.empty();
+}
+
 std::string format_summary(const SetSummary& summary) {
   std::string text = fmt::format("{} pictures, {} written now, {} layers rendered now", summary.pictures,
                                  summary.pictures_written, summary.layers_rendered);
@@ -271,6 +275,13 @@ std::string format_summary(const SetSummary& summary) {
     }
   }
   for (const std::string& warning : summary.warnings) text += "warning: " + warning + "\n";
+  for (const std::string& missed : summary.missed) text += "beyond its limit: " + missed + "\n";
+  if (!summary.missed.empty())
+    text +=
+        "No session begins on such a set, and the same study makes the same again. Give the study another "
+        "seed "
+        "or a\nwider noise_target and run `set` again: it makes anew what these change, and no file is to be "
+        "removed.\n";
   if (!summary.findings.empty())
     text += fmt::format("{} findings of `equilux-render verify` stand, the first {}\n",
                         summary.findings.size(), format_finding(summary.findings.front()));

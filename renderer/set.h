@@ -39,7 +39,8 @@ struct SetSummary {
   NoiseTarget target;
   std::map<std::int64_t, ErrorSummary> cut_errors;  ///< by VPL count, pooled over pictures by cuts
   std::vector<std::string> warnings;                ///< what is legal and hardly ever meant
-  std::vector<Finding> findings;  ///< of a whole verification at the end, where an earlier one had some
+  std::vector<std::string> missed;  ///< limits that layers do not keep, and that the same study never will
+  std::vector<Finding> findings;    ///< of a whole verification at the end, where an earlier one had some
 };
 
 /// Gathers what shares have left, renders what is missing, then tone-maps. What is whole on disk and made
@@ -54,6 +55,9 @@ SetSummary make_set(const SetParams& params);
 /// Tone-maps the layers of a folder again, by its own study file, and verifies as make_set does. errors:
 /// InputError if a layer is missing.
 SetSummary tonemap_set(const std::filesystem::path& folder, const std::string& only = "*");
+
+/// Nothing was found or missed: sessions may begin on what was made.
+bool is_within_limits(const SetSummary& summary);
 
 std::string format_summary(const SetSummary& summary);
 

@@ -23,9 +23,9 @@ void add_set(CLI::App& app, CommandLine& line) {
   set->callback([&line, params, job, share] {
     line.command = [params, job, is_share = share->count() > 0] {
       if (is_share) params->job = parse_job(*job);
-      fmt::print("{}", format_summary(make_set(*params)));
-      fmt::print("\n{}\n", params->folder.string());
-      return kExitOk;
+      const SetSummary summary = make_set(*params);
+      fmt::print("{}\n{}\n", format_summary(summary), params->folder.string());
+      return is_within_limits(summary) ? kExitOk : kExitError;
     };
   });
 }
@@ -39,8 +39,9 @@ void add_tonemap(CLI::App& app, CommandLine& line) {
   tonemap->footer("Example: equilux-render tonemap studies/pocket");
   tonemap->callback([&line, folder, only] {
     line.command = [folder, only] {
-      fmt::print("{}", format_summary(tonemap_set(*folder, *only)));
-      return kExitOk;
+      const SetSummary summary = tonemap_set(*folder, *only);
+      fmt::print("{}", format_summary(summary));
+      return is_within_limits(summary) ? kExitOk : kExitError;
     };
   });
 }

@@ -48,7 +48,7 @@ void pool_errors(const LayerStore& store, const std::vector<Condition>& conditio
     const std::string name = vpl_layer_name(condition);
     const Json& errors = store.record(name).errors_1e5;
     if (const std::string text = find_uncertified(store.record(name)); !text.empty())
-      summary.warnings.push_back(fmt::format("{}: {}", name, text));
+      summary.missed.push_back(fmt::format("{}: {}", name, text));
     if (!errors.is_null()) pools[condition.cell.column.vpl_count][name] = &errors;
   }
   for (const auto& [count, by_layer] : pools) {
@@ -153,9 +153,11 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
   const std::string key = format_key(family);
   summary.noise[key] = loaded.noise;
   warn_of_emptiness(loaded, key, summary);
+  if (!study.paths && !meets_target(loaded.noise, study.noise_target))
+    summary.missed.push_back(key + ": its standard error is over the study's noise target");
   for (const char* content : {"indirect", "background"}) {
     for (const std::string& text : find_failed_checks(store.record(layer_name(family, content))))
-      summary.warnings.push_back(fmt::format("{}.{}: {}", key, content, text));
+      summary.missed.push_back(fmt::format("{}.{}: {}", key, content, text));
   }
   pictures.set_tone(key, loaded.tone.record);
   const auto wanted = list_pictures(loaded, store, family, conditions);

@@ -121,5 +121,33 @@ TEST_F(DoubtedSet, WithSessionsIsNotChanged) {
   EXPECT_EQ(test::digest_products(folder_.root), before);
 }
 
+// A study with a target, of which these few paths are far.
+TEST_F(DoubtedSet, BeyondItsLimitsSaysWhatToDo) {
+  EXPECT_TRUE(is_within_limits(tonemap_set(folder_.root))) << "of fixed paths";
+  Json json{Json::Object{}};
+  const Json study = study_.load().source;
+  for (const auto& [member, value] : study.as_object()) {
+    if (member != "paths") json.set(member, value);
+  }
+  save_text(folder_.study(), format_json(json));
+  Layers layers = load_layers(folder_.layers());
+  Json check{Json::Array{}};
+  Json row;
+  row.set("region", "contact band").set("pixels", 9).set("mean", 1.0).set("standard_error", 0.1);
+  row.set("path_traced", 1.0).set("path_traced_error", 0.1).set("z", 7.1);
+  check.push(std::move(row));
+  Json& reference = layers.by_name.at("G0-MS-ind-ref-v0.indirect").reference;
+  reference.set("check", std::move(check));
+  save_layers(layers, folder_.layers());
+  const SetSummary summary = tonemap_set(folder_.root, "G0-MS-ind-ref-v0");
+  EXPECT_FALSE(is_within_limits(summary));
+  EXPECT_THAT(summary.missed,
+              testing::ElementsAre("G0-MS-ind-ref-v0: its standard error is over the study's noise target",
+                                   HasSubstr("G0-MS-ind-ref-v0.indirect: region contact band differs")));
+  EXPECT_THAT(format_summary(summary),
+              testing::AllOf(HasSubstr("beyond its limit: G0-MS-ind-ref-v0: its standard error"),
+                             HasSubstr("another seed")));
+}
+
 }  // namespace
 }  // namespace equilux
