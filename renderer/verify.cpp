@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <tuple>
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "base/memory.h"
@@ -78,6 +80,13 @@ class FamilyVerifier {
       guard(format_key(condition), [&] { verify_condition(condition); });
     verify_levels();
     return findings_;
+  }
+
+  // Empty where it cannot be read.
+  std::string digest_coverage() const {
+    if (!loaded_) return "";
+    const std::vector<float>& values = loaded_->coverage.values;
+    return digest_text({reinterpret_cast<const char*>(values.data()), sizeof(float) * values.size()});
   }
 
  private:
@@ -194,21 +203,41 @@ class FamilyVerifier {
   std::vector<Finding> findings_;
 };
 
+// What a material is made of changes nothing of where its object is. shape: digests, by family
+std::vector<Finding> compare_coverage(const std::vector<Family>& families,
+                                      const std::vector<std::string>& digests) {
+  std::vector<Finding> findings;
+  std::map<std::tuple<std::string, Illumination, int>, std::size_t> firsts;
+  for (std::size_t i = 0; i < families.size(); ++i) {
+    if (digests[i].empty()) continue;
+    const Object& object = families[i].object;
+    const std::size_t first =
+        firsts.try_emplace({object.geometry, object.illumination, families[i].view}, i).first->second;
+    if (digests[i] != digests[first])
+      findings.push_back({format_key(families[i]) + ".coverage",
+                          fmt::format("not that of {}, of the same object in another material",
+                                      format_key(families[first]))});
+  }
+  return findings;
+}
+
 std::vector<Finding> verify_families(const VerifiedSet& set) {
   const std::vector<Family> families = enumerate_references(set.study);
   std::map<Family, std::vector<Condition>> conditions;
   for (const Condition& condition : enumerate_conditions(set.study))
     conditions[family_of(condition)].push_back(condition);
   std::vector<std::vector<Finding>> by_family(families.size());
+  std::vector<std::string> coverage(families.size());
   Progress progress("verifying", static_cast<double>(families.size()));
   const ThreadLimit limit(fit_threads(estimate_family_memory(set.study), find_available_memory()));
   for_each_parallel(families.size(), [&](std::size_t i) {
     const auto found = conditions.find(families[i]);
-    by_family[i] = FamilyVerifier(set, families[i])
-                       .verify(found == conditions.end() ? std::vector<Condition>() : found->second);
+    FamilyVerifier verifier(set, families[i]);
+    by_family[i] = verifier.verify(found == conditions.end() ? std::vector<Condition>() : found->second);
+    coverage[i] = verifier.digest_coverage();
     progress.advance(1);
   });
-  std::vector<Finding> findings;
+  std::vector<Finding> findings = compare_coverage(families, coverage);
   for (const auto& some : by_family) findings.insert(findings.end(), some.begin(), some.end());
   return findings;
 }

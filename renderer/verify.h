@@ -17,7 +17,8 @@ struct Verification {
 
 /// Every picture by verify_pictures, and against its layers: that these are there, finite, of the study's
 /// size and of their digests, dark outside their place, no brighter under a harder clamp; that the tone curve
-/// is the reference's, the standard error what the layers say, each picture what its layers give, and its
+/// is the reference's, the standard error what the layers say, coverage that of the object's other
+/// materials, each picture what its layers give, and its
 /// background that of its reference; that cuts are certified where the study asks for it, and that no
 /// reference by VPL sets lacks its path-traced check or fails it. With a study file also that each layer was
 /// made from today's study and scene. As many families at once as there is memory for. errors: InputError

@@ -223,6 +223,17 @@ TEST_F(Verify, FindsAnErrorThatIsNoneAndMethodsWithoutTheirProof) {
   EXPECT_EQ(find_uncertified(record, true), "");
 }
 
+// It says which pixels are the background, and how errors are told: half everywhere would let anything pass.
+TEST_F(Verify, FindsACoverageThatIsNotThatOfOtherMaterials) {
+  change_layer("G0-GS-ind-ref-v0.coverage",
+               [](HdrImage& image) { image.values.assign(image.values.size(), 0.5f); });
+  change_layer("G0-GS-ind-ref-v0.standard_error",
+               [](HdrImage& image) { image.values.assign(image.values.size(), 1e-9f); });
+  tonemap_set(folder_.root, "G0-GS-ind-*-v0");
+  expect_only(
+      "G0-GS-ind-ref-v0.coverage: not that of G0-MS-ind-ref-v0, of the same object in another material");
+}
+
 TEST_F(Verify, NotesThatAStudyOfFixedPathsHasNoLimitForItsErrors) {
   const auto notes = verify_set(folder_.root, {}).notes;
   ASSERT_EQ(notes.size(), 1u);
