@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/digest.h"
+#include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
 #include "renderer/isa.h"
@@ -68,6 +69,10 @@ void remove_stages(const fs::path& folder) {
 
 RoomStages::RoomStages(fs::path folder, std::vector<RoomMember> members, PixelSize size)
     : folder_(std::move(folder)), members_(std::move(members)), size_(size) {
+  std::error_code none;
+  if (fs::is_symlink(folder_, none))
+    throw InputError(folder_.string(), "", "a folder in the study folder",
+                     "a symbolic link, through which stages would be written and removed elsewhere");
   if (path_exists(folder_)) remove_stale_parts(folder_);
 }
 

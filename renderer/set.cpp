@@ -229,6 +229,7 @@ SetSummary make_set(const SetParams& params) { return SetMaker(params).make(); }
 SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const StudyFolder folder{root};
   const Study study = load_folder_study(folder);
+  check_own_folders(folder);
   const auto lock = lock_folder(root);
   const LayerStore store(folder, study);
   const bool is_changing = !find_change_mark(folder).empty();

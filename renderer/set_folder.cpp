@@ -60,7 +60,18 @@ void copy_once(const CopiedFile& file) {
 
 }  // namespace
 
+void check_own_folders(const StudyFolder& folder) {
+  for (const fs::path& part :
+       {folder.layer_folder(), folder.picture_folder(), folder.rooms(), folder.jobs()}) {
+    std::error_code none;
+    if (fs::is_symlink(part, none))
+      throw InputError(part.string(), "", "a folder in the study folder",
+                       "a symbolic link, which leads out of it; the study folder itself may be one");
+  }
+}
+
 void check_set_folder(const StudyFolder& folder, const Study& study) {
+  check_own_folders(folder);
   check_same_name(folder, study);
   if (has_sessions(folder)) check_same_study(folder, study);
   if (path_exists(folder.manifest())) load_manifest(folder.manifest());

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "renderer/room_stages.h"
 #include "renderer/set.h"
 #include "tests/renderer/rendered_set.h"
 #include "tests/support/failures.h"
@@ -74,6 +75,36 @@ TEST_F(RefusedSet, ThatIsGatheredForAnotherVersionOfItsStudyIsAsItWas) {
   SetParams params{edit("seed", 2), folder_.root};
   params.render = false;
   expect_refused(params, "that of another, or of an older version");
+}
+
+TEST_F(RefusedSet, WhoseFoldersLeadElsewhereIsAsItWas) {
+  for (const char* name : {"layers", "pictures", "rooms", "jobs"}) {
+    const fs::path part = folder_.root / name, elsewhere = study_.folder() / (std::string("other-") + name);
+    if (fs::exists(part)) fs::rename(part, elsewhere);
+    fs::create_directories(elsewhere);
+    fs::create_directory_symlink(elsewhere, part);
+    if (name == std::string("pictures")) fs::remove(elsewhere / "G0-MS-ind-100-C4-v0.png");
+    const auto before = test::digest_products(elsewhere);
+    expect_refused({study_.path(), folder_.root},
+                   std::string(name) + ": expected a folder in the study folder");
+    EXPECT_THAT(message_of<InputError>([&] { tonemap_set(folder_.root); }), HasSubstr("a symbolic link"));
+    EXPECT_EQ(test::digest_products(elsewhere), before);
+    fs::remove(part);
+    fs::rename(elsewhere, part);
+  }
+}
+
+TEST_F(RefusedSet, RemovesNoStagesElsewhere) {
+  const fs::path elsewhere = study_.folder() / "elsewhere", room = folder_.rooms() / "G0-ind-v0";
+  make_folder(elsewhere);
+  make_folder(folder_.rooms());
+  save_text(elsewhere / "plan.stage", "somebody's");
+  fs::create_directory_symlink(elsewhere, room);
+  EXPECT_THAT(message_of<InputError>([&] {
+                RoomStages(room, {}, {24, 18}).remove();
+              }),
+              HasSubstr("G0-ind-v0: expected a folder in the study folder, got a symbolic link"));
+  EXPECT_TRUE(fs::exists(elsewhere / "plan.stage"));
 }
 
 }  // namespace
