@@ -188,6 +188,7 @@ std::vector<std::size_t> count_up(std::size_t size) {
 }  // namespace
 
 ProofEstimate find_relative_difference(const ProofEstimate& vpls, const ProofEstimate& paths) {
+  EQ_CHECK(paths.mean > 0, paths.mean);
   return {vpls.mean / paths.mean - 1, std::hypot(vpls.standard_error, paths.standard_error) / paths.mean};
 }
 

@@ -45,7 +45,7 @@ struct Proof {
   ProofEstimate gap;    ///< what Lambertian emission of the same VPLs falls short of that by
 };
 
-/// Relative difference of a VPL estimate from the paths', with its standard error.
+/// Relative difference of a VPL estimate from the paths', which met light, with its standard error.
 ProofEstimate find_relative_difference(const ProofEstimate& vpls, const ProofEstimate& paths);
 
 /// One for each material of the object. Their errors have the sets in common. errors: InputError for what the

@@ -19,7 +19,17 @@ struct ProveOptions {
   ProofParams params;
 };
 
+// Per cent of nothing are not printed.
+void print_dark_row(const Object& object, const Proof& proof) {
+  const std::string vpls = proof.full.mean > 0 ? fmt::format("no path met light; full {:.5g} +- {:.5g}",
+                                                             proof.full.mean, proof.full.standard_error)
+                                               : "no indirect light";
+  fmt::print("{:<14}{:>12}  {}\n", format_key(object), 0, vpls);
+  std::fflush(stdout);
+}
+
 void print_row(const Object& object, const Proof& proof) {
+  if (!(proof.paths.mean > 0)) return print_dark_row(object, proof);
   const auto full = find_relative_difference(proof.full, proof.paths);
   fmt::print("{:<14}{:>12.5g}{:>9.2f}{:>11.2f}{:>9.2f}{:>8.2f}{:>10.2f}{:>11.3f}{:>9.3f}\n",
              format_key(object), proof.paths.mean, 100 * proof.paths.standard_error / proof.paths.mean,

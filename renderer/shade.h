@@ -39,7 +39,8 @@ struct ShadedPoints {
 
 /// Shadow rays for a part of the pairs only. Sixteen points and a VPL whose radiance, unclamped and
 /// unshadowed, is under each material's threshold at all of them take their rays with a probability in
-/// proportion to the nearest miss, and count for as much more: every expectation stays. Empty: all rays.
+/// proportion to the nearest miss, and count for as much more: every expectation stays. A threshold of 0:
+/// all that bring light. Empty: all rays.
 struct ShadowRoulette {
   std::vector<double> thresholds;  ///< of each material, for the largest channel. units: W/(m^2 sr)
   std::uint64_t seed = 0;

@@ -177,13 +177,15 @@ class Accumulator {
 };
 
 // Largest radiance of any lane, material and channel over the material's threshold, unclamped and unshadowed.
+// Over a threshold of 0 all light is certain.
 float find_peak(const std::vector<Material>& materials, const std::vector<double>& thresholds,
                 const PointGroup& group, const Sight& sight) {
   Floats peak = zeros();
   for (std::size_t i = 0; i < materials.size(); ++i) {
     const Floats3 m = eval_m(materials[i], group, sight);
     const Floats largest = max(m.x * sight.light.x, max(m.y * sight.light.y, m.z * sight.light.z));
-    peak = max(peak, largest / (sight.r2 * static_cast<float>(thresholds[i])));
+    const Floats limit = sight.r2 * static_cast<float>(thresholds[i]);
+    peak = max(peak, select(limit > 0.0f, largest / limit, select(largest > 0.0f, broadcast(1), zeros())));
   }
   const auto lanes = to_array(peak);
   return *std::max_element(lanes.begin(), lanes.end());

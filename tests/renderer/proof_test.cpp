@@ -112,5 +112,32 @@ TEST(Proof, AMutantThatEmitsByTheDiffusePartAloneIsCaught) {
   EXPECT_LT(p_of(find_relative_difference(lambertian, proof.paths)), 1e-6);
 }
 
+// Its threshold of the shadow rays' roulette is 0, whichever material comes first.
+TEST(Proof, AMaterialThatSendsNoLightHasNoneByEitherWay) {
+  test::SceneText text;
+  text.materials = R"([{"name":"grey","model":"lambertian","rho_d":[0.5,0.5,0.5]},
+    {"name":"black","model":"lambertian","rho_d":[0,0,0]}])";
+  text.meshes = R"([{"name":"ball","sphere":{"radius":0.5,"subdivisions":3}},
+    {"name":"wall","quad":{"u":[4,0,0],"v":[0,0,4]}}])";
+  text.instances = R"([{"mesh":"wall","material":"grey","at":[-2,2,-2]}])";
+  text.lights = R"([{"spot":{"position":[1.5,0,0],"target":[0.5,2,0],"inner_degrees":20,"outer_degrees":35,
+      "intensity":[5,5,5]}}])";
+  text.stand = "[0,0,-0.5]";
+  const Scene scene = test::make_scene(text);
+  ProofParams params;
+  params.sets = params.own_sets = 32;
+  params.vpl_paths = 200;
+  params.camera_paths = 16;
+  params.contact_band = 0;
+  for (const std::size_t first : {0U, 1U}) {
+    const auto proofs = make_proofs(scene, {scene.materials[first], scene.materials[1 - first]}, params);
+    const Proof &grey = proofs[first], &black = proofs[1 - first];
+    EXPECT_EQ(black.paths.mean, 0);
+    EXPECT_EQ(black.full.mean, 0);
+    EXPECT_EQ(black.full.standard_error, 0);
+    EXPECT_GT(p_of(find_relative_difference(grey.full, grey.paths)), .01);
+  }
+}
+
 }  // namespace
 }  // namespace equilux
