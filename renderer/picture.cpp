@@ -1,6 +1,7 @@
 // A scene, a method, a picture.
 #include "renderer/picture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -71,12 +72,27 @@ void check_clamps(const PictureParams& params, const World& world) {
   }
 }
 
-// A quarter of a displayed step, through the curve of the background that is there already.
-double find_floor(const PictureParams& params, const Picture& picture, const Primary& primary) {
+constexpr int kRoughPaths = 16;
+
+HdrImage trace_rough_indirect(const PictureScene& scene, const PictureParams& params) {
+  PathMaps maps = make_fixed_maps(scene.primary, {kRoughPaths, kRoughPaths, kRoughPaths});
+  maps.background = maps.direct = PathMap(maps.indirect.size(), 0);
+  return trace_layers({scene.world, scene.materials, scene.primary}, maps, params.seed,
+                      scene.stream_name + ".floor", {}, [](double) {})
+      .indirect.mean;
+}
+
+// A quarter of a displayed step, through the curve of the background and direct light that are there already;
+// where both are black, through that of a few paths' indirect light.
+double find_floor(const PictureParams& params, const Picture& picture, const PictureScene& scene) {
   std::vector<const HdrImage*> layers{&picture.background};
   for (const ObjectLayers& object : picture.objects) layers.push_back(&object.direct);
+  HdrImage known = composite(layers);
+  const auto is_zero = [](float value) { return value == 0; };
+  if (std::all_of(known.values.begin(), known.values.end(), is_zero))
+    known = trace_rough_indirect(scene, params);
   const ToneMapping tone{ToneOperator::kGlobal, params.tone.key, params.tone.exposure};
-  return find_radiance_of_step(make_tone_curve(composite(layers), make_coverage(primary), tone).record,
+  return find_radiance_of_step(make_tone_curve(known, make_coverage(scene.primary), tone).record,
                                kFloorSteps);
 }
 
@@ -117,7 +133,7 @@ HdrImage shade_object(const PictureScene& scene, const PictureParams& params, st
 void shade_objects(const PictureScene& scene, const PictureParams& params, Picture& picture) {
   const std::int64_t path_count = find_path_count(scene.world, *params.vpl_count, params.seed);
   Lights lights;
-  lights.floor = find_floor(params, picture, scene.primary);
+  lights.floor = find_floor(params, picture, scene);
   with_vpl_memory(*params.vpl_count, [&] {
     VplSet vpls = trace_vpls(scene.world, scene.materials, path_count, params.seed, "vpls", params.emission);
     picture.vpl_count = vpls.count();
@@ -147,7 +163,7 @@ void shade_sets(const PictureScene& scene, const PictureParams& params, Picture&
   sets.sets = *params.sets;
   sets.paths = find_path_count(scene.world, *params.vpl_count, params.seed);
   for (const ObjectLayers& object : picture.objects) sets.clamps_per_m2.push_back(object.clamp_per_m2);
-  sets.floor = find_floor(params, picture, scene.primary);
+  sets.floor = find_floor(params, picture, scene);
   sets.emission = params.emission;
   sets.seed = params.seed;
   sets.stream_name = scene.stream_name + ".vpls";

@@ -314,14 +314,10 @@ double find_floor(const VplJob& job, const ViewJob& view, const std::string& mat
   const auto load = [&](const char* content) { return group.store.load(layer_name(family, content)); };
   const HdrImage background = load("background"), direct = load("direct"), indirect = load("indirect"),
                  coverage = load("coverage"), reference = composite({&background, &direct, &indirect});
-  const auto floor = [&](Exposure exposure) {
-    const double key = group.study.planned_tone.key;
-    return find_radiance_of_step(
-        make_tone_curve(reference, coverage, {ToneOperator::kGlobal, key, exposure}).record, 0.25);
-  };
-  // A black background shows nothing; without a floor a point in the dark would take every VPL.
-  const double seen = floor(group.study.planned_tone.exposure);
-  return seen > 0 ? seen : floor(Exposure::kWhole);
+  const ToneMapping& planned = group.study.planned_tone;
+  return find_radiance_of_step(
+      make_tone_curve(reference, coverage, {ToneOperator::kGlobal, planned.key, planned.exposure}).record,
+      0.25);
 }
 
 // The trees of one material.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "base/error.h"
 #include "renderer/local_tone.h"
@@ -26,13 +27,21 @@ double mean_below(const std::vector<double>& values, double top) {
   return sum / static_cast<double>(values.size());
 }
 
-std::vector<double> collect_luminance(const HdrImage& image, const HdrImage& coverage, Exposure exposure) {
+std::vector<double> collect_luminance(const HdrImage& image, const HdrImage& coverage,
+                                      const std::function<bool(float)>& is_wanted) {
   std::vector<double> values;
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-    if (exposure == Exposure::kWhole || coverage.values[i] == 0)
-      values.push_back(luminance_of(image.pixel(i)));
+    if (is_wanted(coverage.values[i])) values.push_back(luminance_of(image.pixel(i)));
   }
   return values;
+}
+
+// Of the pixels that set the curve. Black ones beside a lit object would set none.
+std::vector<double> collect_adaptation(const HdrImage& image, const HdrImage& coverage, Exposure exposure) {
+  if (exposure == Exposure::kWhole) return collect_luminance(image, coverage, [](float) { return true; });
+  std::vector<double> outside = collect_luminance(image, coverage, [](float share) { return share == 0; });
+  if (mean_of(outside) > 0) return outside;
+  return collect_luminance(image, coverage, [](float share) { return share != 0; });
 }
 
 double mean_luminance(const HdrImage& image) {
@@ -44,8 +53,7 @@ double mean_luminance(const HdrImage& image) {
 // The record of the global operator.
 ToneRecord make_global_curve(const HdrImage& reference, const HdrImage& coverage,
                              const ToneMapping& mapping) {
-  std::vector<double> values = collect_luminance(reference, coverage, mapping.exposure);
-  if (values.empty()) values = collect_luminance(reference, coverage, Exposure::kWhole);
+  const std::vector<double> values = collect_adaptation(reference, coverage, mapping.exposure);
   ToneRecord tone;
   tone.key = mapping.key;
   tone.exposure = mapping.exposure == Exposure::kWhole ? "whole" : "background";

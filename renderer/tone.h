@@ -22,7 +22,8 @@ struct ToneCurve {
 };
 
 /// Reinhard's operators, their log-average and white point (99.9th percentile of L by nearest rank) taken
-/// over the pixels of coverage 0, or over all if `exposure` says so or the object covers everything.
+/// over the pixels of coverage 0, or over all if `exposure` says so; where those of coverage 0 are black, or
+/// there are none, over the others. Black ones would drag the log-average down to delta.
 /// Luminance is that of Rec.709 (the paper of the operator uses .27, .67, .06). A black picture gets a curve
 /// that keeps black black. delta is 1e-6 of a mean in which values above the white point count as it, so that
 /// one hot pixel does not set it. The local operator has no white point. Around pixels of coverage 0 it looks

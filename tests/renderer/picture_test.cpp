@@ -2,6 +2,7 @@
 #include "renderer/picture.h"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <limits>
 
@@ -178,6 +179,44 @@ TEST_F(SculpturePicture, RefusesSettingsOfObjectsThatAreNotThere) {
   EXPECT_THAT(message_of<InputError>([&] { make_picture(params); }), HasSubstr("--material"));
   params.geometry = "Tall";
   EXPECT_THAT(message_of<InputError>([&] { make_picture(params); }), HasSubstr("the geometry Tall"));
+}
+
+constexpr const char* kBallBeforeNothing = R"({
+  "schema": "equilux-scene", "schema_version": 1, "name": "before-nothing",
+  "camera": {"position": [0, -3, 0.3], "target": [0, 0, 0], "up": [0, 0, 1], "vertical_fov_degrees": 30},
+  "materials": [{"name": "MS", "model": "lambertian", "rho_d": [0.5, 0.5, 0.5]}],
+  "meshes": [
+    {"name": "ball", "sphere": {"radius": 0.5, "subdivisions": 4}},
+    {"name": "wall", "quad": {"u": [6, 0, 0], "v": [0, 0, 4]}}],
+  "instances": [{"mesh": "wall", "material": "MS", "at": [-3, -3.5, -2]}],
+  "object": {"stand": [0, 0, -0.5], "geometries": [{"name": "G0", "mesh": "ball"}]},
+  "lights": [{"spot": {"position": [0, -2, 3], "target": [0, -3.5, 0], "inner_degrees": 20,
+                       "outer_degrees": 30, "intensity": [1, 1, 1]}}]
+})";
+
+// Light that a million times as dim a spot gives is cut as finely, also where nothing but VPLs brings any.
+TEST(BlackBackground, WhatIsSeenOfAStepIsRelativeToTheLightThereIs) {
+  const test::Folder folder;
+  const auto make = [&](float intensity) {
+    std::string text = kBallBeforeNothing;
+    const std::string one = "[1, 1, 1]";
+    text.replace(text.find(one), one.size(), fmt::format("[{0}, {0}, {0}]", intensity));
+    PictureParams params;
+    params.scene_path = folder / "scene.json";
+    save_text(params.scene_path, text);
+    params.width = 24;
+    params.height = 18;
+    params.positions = 1;
+    params.paths = {16, 16, 16};
+    params.vpl_count = 5000;
+    params.clamp_per_m2 = kInfinity;
+    return make_picture(params);
+  };
+  const Picture bright = make(1), dim = make(0x1p-20f);
+  ASSERT_GT(mean_luminance(bright.image), 0);
+  for (std::size_t i = 0; i < bright.image.values.size(); ++i)
+    ASSERT_EQ(dim.image.values[i], 0x1p-20f * bright.image.values[i]) << i;
+  EXPECT_EQ(dim.display.values, bright.display.values);
 }
 
 }  // namespace

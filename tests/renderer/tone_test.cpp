@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <optional>
 
 namespace equilux {
 namespace {
@@ -66,6 +67,26 @@ TEST(Tone, AnObjectThatCoversEverythingFallsBackToTheWholePicture) {
   HdrImage coverage = no_coverage(image);
   for (float& value : coverage.values) value = 1;
   EXPECT_NEAR(make_tone_curve(image, coverage, ToneMapping{}).record.log_average, 2, 1e-4);
+}
+
+// An object before nothing: its picture does not depend on how bright it is.
+TEST(Tone, ABlackBackgroundLeavesTheCurveToTheObject) {
+  std::optional<LdrImage> first;
+  for (const float light : {1.0f, 0x1p-40f, 0x1p20f}) {
+    HdrImage image = constant(10, 10, 0), coverage = no_coverage(image);
+    for (std::size_t i = 0; i < 20; ++i) {
+      coverage.values[i] = 1;
+      for (int c = 0; c < 3; ++c) image.pixel(i)[c] = (i < 10 ? 1.0f : 4.0f) * light;
+    }
+    const ToneCurve tone = make_tone_curve(image, coverage, ToneMapping{});
+    EXPECT_NEAR(tone.record.log_average / light, 2, 1e-4);
+    EXPECT_EQ(tone.record.exposure, "background");
+    const LdrImage picture = apply_tone_curve(image, tone);
+    if (!first) first = picture;
+    EXPECT_EQ(picture.values, first->values);
+    EXPECT_GT(picture.values[0], 50);
+    EXPECT_LT(picture.values[0], 200);
+  }
 }
 
 TEST(Tone, NoiseInDisplayStepsIsTheSlopeOfTheCurve) {
