@@ -90,7 +90,7 @@ HdrImage light_by_sets(const LitScene& scene, const LightSetting& setting, std::
   const StageClock clock(&times, "VPL sets");
   VplSetsParams params;
   params.sets = setting.sets;
-  params.paths = find_path_count(scene.world, setting.vpls, seed);
+  params.paths = find_path_count(scene.world, setting.vpls, seed, scene.emission);
   params.clamps_per_m2 = {clamp_per_m2(setting.clamp_level)};
   params.error_ratio = setting.error_ratio;
   params.floor = scene.floor;
@@ -121,7 +121,7 @@ constexpr double kVplCost = 1.5, kPairCost = 0.05, kCutCost = 600, kCompensation
 VplList trace_run_vpls(const LitScene& scene, std::int64_t vpls, std::uint64_t seed, StageTimes* times) {
   const std::int64_t paths = [&] {
     const StageClock clock(times, "VPL pilot");
-    return find_path_count(scene.world, vpls, seed);
+    return find_path_count(scene.world, vpls, seed, scene.emission);
   }();
   const StageClock clock(times, "VPL tracing");
   return join_vpls(trace_vpls(scene.world, scene.materials, paths, seed, kStream, scene.emission));

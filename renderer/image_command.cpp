@@ -140,6 +140,8 @@ void print_picture(const Picture& picture, const PictureParams& params) {
   if (params.vpl_count) {
     fmt::print("VPLs: {}{}\n", picture.vpl_count,
                params.sets ? fmt::format(", mean of {} sets", picture.sets) : "");
+    if (const std::string odd = tell_odd_count(*params.vpl_count, picture.vpl_count); !odd.empty())
+      fmt::print("warning: {}\n", odd);
     for (const ObjectLayers& object : picture.objects)
       fmt::print("{}: clamped at {} / m^2{}\n", object.name, object.clamp_per_m2,
                  params.normalise    ? ", normalised"

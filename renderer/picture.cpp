@@ -131,7 +131,8 @@ HdrImage shade_object(const PictureScene& scene, const PictureParams& params, st
 }
 
 void shade_objects(const PictureScene& scene, const PictureParams& params, Picture& picture) {
-  const std::int64_t path_count = find_path_count(scene.world, *params.vpl_count, params.seed);
+  const std::int64_t path_count =
+      find_path_count(scene.world, *params.vpl_count, params.seed, params.emission);
   Lights lights;
   lights.floor = find_floor(params, picture, scene);
   with_vpl_memory(*params.vpl_count, [&] {
@@ -161,7 +162,7 @@ void shade_sets(const PictureScene& scene, const PictureParams& params, Picture&
                 HdrImage& standard_error) {
   VplSetsParams sets;
   sets.sets = *params.sets;
-  sets.paths = find_path_count(scene.world, *params.vpl_count, params.seed);
+  sets.paths = find_path_count(scene.world, *params.vpl_count, params.seed, params.emission);
   for (const ObjectLayers& object : picture.objects) sets.clamps_per_m2.push_back(object.clamp_per_m2);
   sets.floor = find_floor(params, picture, scene);
   sets.emission = params.emission;

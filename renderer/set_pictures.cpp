@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -17,6 +18,7 @@
 #include "renderer/picture_store.h"
 #include "renderer/record_check.h"
 #include "renderer/stopwatch.h"
+#include "renderer/vpl.h"
 #include "stimuli/origin.h"
 
 namespace equilux {
@@ -72,6 +74,17 @@ void warn_of_mixture(const LayerStore& store, const Wanted& wanted, SetSummary& 
     text += fmt::format("{}{} by {}", text.empty() ? "" : ", ", count, isa);
   summary.warnings.push_back("layers of more than one instruction set, which differ in their last bits: " +
                              text + "; --isa fixes it");
+}
+
+void warn_of_counts(const LayerStore& store, const std::vector<Condition>& conditions, SetSummary& summary) {
+  std::set<std::string> told;
+  for (const Condition& condition : conditions) {
+    const Column& column = condition.cell.column;
+    const std::string odd =
+        tell_odd_count(column.vpl_count, store.record(vpl_layer_name(condition)).vpl_count);
+    if (!odd.empty() && told.insert(format_key(column)).second)
+      summary.warnings.push_back(format_key(column) + ": " + odd);
+  }
 }
 
 bool is_black(const HdrImage& image) {
@@ -196,6 +209,7 @@ void tonemap_wanted(const Study& study, const StudyFolder& folder, const LayerSt
   }
   pictures.save_record();
   pool_errors(store, wanted.conditions, summary);
+  warn_of_counts(store, wanted.conditions, summary);
   warn_of_mixture(store, wanted, summary);
 }
 

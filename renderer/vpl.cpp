@@ -123,13 +123,14 @@ class PathTracing {
   LatticePoint shift_{};
 };
 
-void check_finite(const VplList& list) {
+void check_finite(const World& world, const VplList& list) {
   auto bad = std::count_if(list.vpls.begin(), list.vpls.end(),
                            [](const Vpl& vpl) { return !is_finite(vpl.intensity); });
   bad += std::count_if(list.gloss.begin(), list.gloss.end(),
                        [](const VplGloss& gloss) { return !is_finite(gloss.flux); });
   if (bad > 0)
-    throw InputError("scene", "/lights", "lights whose VPLs are finite", fmt::format("{} that are not", bad));
+    throw InputError(world.scene_path(), fmt::format("/lights ({})", world.name()),
+                     "lights whose VPLs are finite", fmt::format("{} that are not", bad));
 }
 
 void check_gloss_count(std::size_t count) {
@@ -278,8 +279,8 @@ VplSet trace_vpls(const World& world, const Materials& materials, std::int64_t p
   });
   VplSet set{join_lists(blocks, &VplSet::shared), join_lists(blocks, &VplSet::own), paths};
   for (const VplSet& block : blocks) set.met.insert(set.met.end(), block.met.begin(), block.met.end());
-  check_finite(set.shared);
-  check_finite(set.own);
+  check_finite(world, set.shared);
+  check_finite(world, set.own);
   return set;
 }
 
@@ -294,16 +295,32 @@ VplList trace_own_vpls(const World& world, const Materials& materials, const Vpl
     blocks[block].shared = {};
   });
   VplList own = join_lists(blocks, &VplSet::own);
-  check_finite(own);
+  check_finite(world, own);
   return own;
 }
 
-std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed) {
-  const VplSet pilot = trace_vpls(world, make_grey_materials(world), kPilotPaths, seed, "vpl-pilot");
-  if (pilot.count() == 0)
-    throw InputError("scene", "/lights", "light that reaches a surface that is not black", "none");
-  const double per_path = static_cast<double>(pilot.count()) / static_cast<double>(kPilotPaths);
-  return std::max<std::int64_t>(1, std::llround(static_cast<double>(target) / per_path));
+std::optional<double> find_vpls_per_path(const World& world, std::uint64_t seed, Emission emission) {
+  const VplSet pilot =
+      trace_vpls(world, make_grey_materials(world), kPilotPaths, seed, "vpl-pilot", emission);
+  if (pilot.count() == 0) return std::nullopt;
+  return static_cast<double>(pilot.count()) / static_cast<double>(kPilotPaths);
+}
+
+std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed, Emission emission) {
+  const std::optional<double> per_path = find_vpls_per_path(world, seed, emission);
+  if (!per_path) {
+    throw InputError(world.scene_path(), fmt::format("/lights ({})", world.name()),
+                     emission == Emission::kFull ? "light that reaches a surface that is not black"
+                                                 : "light that reaches a surface that is partly diffuse",
+                     "none");
+  }
+  return std::max<std::int64_t>(1, std::llround(static_cast<double>(target) / *per_path));
+}
+
+std::string tell_odd_count(std::int64_t asked, std::int64_t made) {
+  if (made == 0) return fmt::format("no VPLs where {} are asked for: what light meets leaves none", asked);
+  if (2 * made >= asked && made <= 2 * asked) return "";
+  return fmt::format("{} VPLs where {} are asked for", made, asked);
 }
 
 std::uint64_t estimate_vpl_memory(std::int64_t count) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -88,10 +89,19 @@ std::array<double, 3> measure_intensity(const VplList& list, std::span<const Sur
 /// Emission of a VPL of the list towards a unit direction, times the cosine at it. units: W/sr
 Vec3 emit_vpl(const VplList& list, const Vpl& vpl, Vec3 wo);
 
-/// Number of paths that gives about `target` VPLs: target / (VPLs per path of a pilot of 1e5 paths with
-/// another stream and a grey Lambertian object), rounded, at least 1. One number for all materials. errors:
+/// VPLs per path of a pilot of 1e5 paths with another stream and a grey Lambertian object. One number for all
+/// materials. Empty if no path leaves a VPL.
+std::optional<double> find_vpls_per_path(const World& world, std::uint64_t seed,
+                                         Emission emission = Emission::kLambertian);
+
+/// Number of paths that gives about `target` VPLs: target / find_vpls_per_path, rounded, at least 1. errors:
 /// InputError if no path leaves a VPL.
-std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed);
+std::int64_t find_path_count(const World& world, std::int64_t target, std::uint64_t seed,
+                             Emission emission = Emission::kLambertian);
+
+/// A warning where less than half or more than twice as many VPLs were made as were asked for: the pilot's
+/// object is diffuse, whatever the object's material is. Else empty.
+std::string tell_odd_count(std::int64_t asked, std::int64_t made);
 
 /// Of about `count` VPLs and their tree, at the peak (docs/performance.md). units: bytes
 std::uint64_t estimate_vpl_memory(std::int64_t count);

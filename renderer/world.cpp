@@ -201,6 +201,12 @@ class WorldBuilder {
     }
   }
 
+  // After all objects.
+  void set_name(const Scene& scene, Illumination illumination) {
+    world_.scene_path_ = scene.path.string();
+    world_.name_ = fmt::format("{}-{}", fmt::join(world_.objects_, "+"), format_illumination(illumination));
+  }
+
   World commit() {
     const RTCDevice device = shared_device();
     RTCScene& scene = world_.impl_->scene;
@@ -260,6 +266,7 @@ World make_world(const Scene& scene, const std::string& geometry, Illumination i
       builder.add_room(make_object(scene, sculpture.name), find_material(scene, sculpture.material));
   }
   builder.add_lights(scene, illumination);
+  builder.set_name(scene, illumination);
   return builder.commit();
 }
 
@@ -270,6 +277,7 @@ World make_sculpture_world(const Scene& scene, Illumination illumination, const 
   for (const Sculpture& sculpture : scene.sculptures) builder.add_object(scene, sculpture.name);
   builder.add_instances(scene);
   builder.add_lights(scene, illumination);
+  builder.set_name(scene, illumination);
   return builder.commit();
 }
 

@@ -106,6 +106,9 @@ class World {
   float radius() const { return radius_; }
   /// What VPLs light: the one object by its geometry, or every sculpture by its name.
   const std::vector<std::string>& objects() const { return objects_; }
+  /// What errors name: the scene's file, and objects and illumination, such as "G0-ind".
+  const std::string& scene_path() const { return scene_path_; }
+  const std::string& name() const { return name_; }
   /// False only if no light can reach the object: no cone holds a part of any of its triangles, and its box
   /// lies behind every rectangle. Whatever stands between is not asked.
   bool may_be_lit(std::size_t object) const { return lit_objects_[object]; }
@@ -125,6 +128,7 @@ class World {
   float radius_ = 0;
   SpotGrid spot_grid_;
   std::vector<std::string> objects_;
+  std::string scene_path_, name_;
   std::vector<bool> lit_objects_;
   std::vector<MaterialSpec> room_materials_;  ///< index: SurfacePoint::material - objects_.size()
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "renderer/family.h"
 #include "renderer/parallel.h"
@@ -125,6 +126,31 @@ TEST(Vpls, ThePilotsPathCountGivesAboutTheNumberAskedFor) {
   }
 }
 
+// All the room's VPLs send gloss alone on: none is Lambertian.
+TEST(Vpls, OfARoomOfMetalAreCountedByTheEmissionThatTheyHave) {
+  SceneText text;
+  text.materials =
+      R"([{"name":"metal","model":"ward-duer","rho_d":[0,0,0],"rho_s":[0.6,0.6,0.6],"alpha":0.2}])";
+  text.meshes = R"([{"name":"ball","sphere":{"radius":0.5,"subdivisions":3}},
+    {"name":"wall","quad":{"u":[4,0,0],"v":[0,0,4]}}])";
+  text.instances = R"([{"mesh":"wall","material":"metal","at":[-2,2,-2]}])";
+  text.lights = R"([{"spot":{"position":[1.5,0,0],"target":[0.5,2,0],"inner_degrees":20,"outer_degrees":35,
+      "intensity":[5,5,5]}}])";
+  text.stand = "[0,0,-0.5]";
+  const Scene scene = test::make_scene(text);
+  const World world = make_world(scene, "G0", Illumination::kIndirect);
+  const Materials materials = make_materials(world, scene.materials[0]);
+  const auto count = [&](Emission emission) {
+    return trace_vpls(world, materials, find_path_count(world, 1000, 1, emission), 1, "vpls", emission)
+        .count();
+  };
+  EXPECT_EQ(tell_odd_count(1000, count(Emission::kFull)), "");
+  EXPECT_EQ(tell_odd_count(1000, count(Emission::kLambertian)),
+            "no VPLs where 1000 are asked for: what light meets leaves none");
+  EXPECT_EQ(tell_odd_count(1000, 2001), "2001 VPLs where 1000 are asked for");
+  EXPECT_EQ(tell_odd_count(1000, 499), "499 VPLs where 1000 are asked for");
+}
+
 TEST(Vpls, FluxOfTheFirstHitsIsThatOfTheLight) {
   // A downward rectangle close to a large black-bodied floor: all its power, pi L A, arrives; a VPL's
   // intensity is W rho / pi.
@@ -186,7 +212,15 @@ TEST(Vpls, ALightThatReachesNothingIsAnInputError) {
   text.lights =
       R"([{"spot":{"position":[0,-4,0],"target":[0,-9,0],"inner_degrees":5,"outer_degrees":10,"intensity":[1,1,1]}}])";
   const World world = make_world(test::make_scene(text), "G0", Illumination::kIndirect);
-  EXPECT_THROW(find_path_count(world, 1000, 1), std::runtime_error);
+  EXPECT_FALSE(find_vpls_per_path(world, 1));
+  try {
+    find_path_count(world, 1000, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("scene.json: /lights (G0-ind): expected light that"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace
