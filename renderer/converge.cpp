@@ -42,7 +42,7 @@ ReferenceTruth trace_truth(const Laboratory& lab) {
   layers.tone = make_tone_curve(composite({&layers.background, &layers.direct, &layers.indirect.mean}),
                                 layers.coverage, params.tone);
   layers.pixels_per_degree = params.pixels_per_degree;
-  return {std::move(layers), format_key(params.condition)};
+  return {std::move(layers), fmt::format("{}: {}", lab.world.scene_path(), format_key(params.condition))};
 }
 
 std::string name_level(int level, ClampRemedy remedy) {
@@ -182,9 +182,18 @@ ConvergencePoint measure_point(const Laboratory& lab, const ReferenceTruth& trut
   return point;
 }
 
-std::vector<ConvergencePoint> climb(const Laboratory& lab, const ReferenceTruth& truth, const LitScene& scene,
-                                    const Ladder& ladder, Progress& progress) {
-  std::vector<ConvergencePoint> points;
+// What cannot be measured loses nothing of the rest.
+template <typename Body>
+void run_or_tell(const std::string& what, std::vector<std::string>& left_out, const Body& body) {
+  try {
+    body();
+  } catch (const InputError& error) {
+    left_out.push_back(fmt::format("{}: {}", what, error.what()));
+  }
+}
+
+void climb(const Laboratory& lab, const ReferenceTruth& truth, const LitScene& scene, const Ladder& ladder,
+           Progress& progress, Convergence& made) {
   double seconds = 0, work_done = 1;
   for (const auto& [label, setting] : ladder.rungs) {
     const double work = estimate_work(scene, setting), all = work * lab.params.seeds;
@@ -192,28 +201,24 @@ std::vector<ConvergencePoint> climb(const Laboratory& lab, const ReferenceTruth&
       progress.expect_more(-all);
       continue;
     }
-    points.push_back(measure_point(lab, truth, scene, make_point(ladder.series, label, setting), setting));
-    seconds = points.back().wall();
-    work_done = work;
+    const ConvergencePoint point = make_point(ladder.series, label, setting);
+    run_or_tell(fmt::format("{} at {}", ladder.series, label), made.left_out, [&] {
+      made.points.push_back(measure_point(lab, truth, scene, point, setting));
+      seconds = made.points.back().wall();
+      work_done = work;
+    });
     progress.advance(all);
   }
-  return points;
 }
 
-std::vector<ConvergencePoint> climb_all(const Laboratory& lab, const ReferenceTruth& truth,
-                                        const LitScene& scene) {
+void climb_all(const Laboratory& lab, const ReferenceTruth& truth, const LitScene& scene, Convergence& made) {
   const std::vector<Ladder> ladders = make_ladders(lab);
   double work = 0;
   for (const Ladder& ladder : ladders) {
     for (const auto& rung : ladder.rungs) work += estimate_work(scene, rung.second) * lab.params.seeds;
   }
   Progress progress("methods", work);
-  std::vector<ConvergencePoint> points;
-  for (const Ladder& ladder : ladders) {
-    const auto more = climb(lab, truth, scene, ladder, progress);
-    points.insert(points.end(), more.begin(), more.end());
-  }
-  return points;
+  for (const Ladder& ladder : ladders) climb(lab, truth, scene, ladder, progress, made);
 }
 
 constexpr double kLeastRange = 2;  // of times, to which a slope is fitted
@@ -274,9 +279,9 @@ Convergence measure_convergence(const Scene& scene, const ConvergeParams& params
   made.reference_mean = truth.mean();
   made.reference_rms = truth.rms_of_error();
   made.object_pixels = truth.object_pixels();
-  made.points = climb_all(lab, truth, lit);
+  climb_all(lab, truth, lit, made);
   made.slopes = fit_slopes(made);
-  made.parts = measure_parts(lab, truth, lit);
+  run_or_tell("the error in its parts", made.left_out, [&] { made.parts = measure_parts(lab, truth, lit); });
   for (const double seconds : params.asked_s) made.advice.push_back(find_advice(made, seconds));
   return made;
 }

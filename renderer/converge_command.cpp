@@ -52,6 +52,7 @@ void write_convergence(const Convergence& convergence, const ConvergeOptions& op
     draw_convergence(convergence, PlotFormat::kSvg, file(".svg"));
     draw_convergence(convergence, PlotFormat::kPng, file(".png"));
   }
+  for (const std::string& what : convergence.left_out) fmt::print("left out: {}\n", what);
   fmt::print("{}: {}\n{}\n", convergence.condition, format_advice(convergence), file(".md").string());
   std::fflush(stdout);
 }

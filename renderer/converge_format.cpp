@@ -58,6 +58,12 @@ std::string format_parts(const Convergence& convergence) {
   return text;
 }
 
+std::string format_left_out(const Convergence& convergence) {
+  std::string text;
+  for (const std::string& what : convergence.left_out) text += fmt::format("- {}\n", what);
+  return text.empty() ? "" : "\nLeft out:\n\n" + text;
+}
+
 std::string format_rms(const Convergence& convergence, const ConvergencePoint& point) {
   if (!is_resolved(convergence, point)) return format_error(convergence, point);
   return fmt::format("{:.2f} ± {:.2f}", 100 * point.error.relative_rms, 100 * point.error.relative_rms_error);
@@ -110,7 +116,9 @@ std::string format_convergence_page(const Convergence& convergence, const std::s
                                  format_advice(convergence));
   if (!plot_file.empty()) text += fmt::format("![Error against run time]({})\n\n", plot_file);
   text += format_header(convergence) + "\nWhat more time buys:\n\n" + format_frontier(convergence);
-  text += "\nThe error of the condition's own picture in its parts:\n\n" + format_parts(convergence);
+  text += format_left_out(convergence);
+  if (!convergence.parts.empty())
+    text += "\nThe error of the condition's own picture in its parts:\n\n" + format_parts(convergence);
   text += "\nSlopes of log error over log time, of curves whose times differ twofold or more:\n\n" +
           format_slopes(convergence);
   text +=

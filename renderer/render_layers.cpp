@@ -35,11 +35,15 @@ struct WorkCounts {
   std::size_t references = 0, layers = 0;  // that are whole
 };
 
+// Particles, by VPL count.
+using PathsByCount = std::map<std::int64_t, std::int64_t>;
+
 struct GroupJob {
   const Recipes& recipes;
   const Study& study;
   const Scene& scene;
   const World& world;
+  const PathsByCount& paths;
   LayerStore& store;
   Progress& progress;
   std::map<std::string, double>& seconds;
@@ -424,13 +428,22 @@ void render_group(const GroupJob& job, const WorldKey& key, const Wanted& missin
     for (const ViewJob& view : views) {
       if (view.wanted.contains(count)) wanting.push_back(&view);
     }
-    render_vpl_layers({job, key, count, find_path_count(job.world, count, job.study.seed), wanting});
+    render_vpl_layers({job, key, count, job.paths.at(count), wanting});
   }
 }
 
 // Of a pixel where there are cuts: the layers that the floor of their error comes from, and the curve's
 // values.
 constexpr std::uint64_t kBytesOfFloor = 76;
+
+PathsByCount find_paths(const Study& study, const World& world, const Wanted& missing) {
+  PathsByCount paths;
+  for (const Condition& condition : missing.conditions) {
+    const std::int64_t count = condition.cell.column.vpl_count;
+    if (!paths.contains(count)) paths[count] = find_path_count(world, count, study.seed, study.emission);
+  }
+  return paths;
+}
 
 // Of a pixel and material: layers of five kinds, with the sums that their errors come from.
 constexpr std::uint64_t kBytesOfMaterial = 190;
@@ -465,19 +478,22 @@ double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& m
   const auto groups = group_layers(missing);
   std::map<WorldKey, World> worlds;
   std::map<WorldKey, WorldCosts> costs;
+  std::map<WorldKey, PathsByCount> paths;  // before the first reference: a world without VPLs is an error
   {
     const Stopwatch watch(seconds["worlds"]);
     for (const auto& [key, group] : groups) {
       const auto& world =
           worlds.emplace(key, make_world(scene, key.geometry, key.illumination)).first->second;
       costs[key] = estimate_costs(study, scene, world);
+      paths[key] = find_paths(study, world, group);
     }
   }
   const double work = sum_work(list_work(costs, missing));
   Progress progress("rendering", work);
   WorkCounts counts{missing.families.size(), missing.conditions.size()};
   for (const auto& [key, group] : groups) {
-    const GroupJob job{recipes, study, scene, worlds.at(key), store, progress, seconds, log, counts};
+    const GroupJob job{recipes,  study,   scene, worlds.at(key), paths.at(key), store,
+                       progress, seconds, log,   counts};
     render_group(job, key, group);
     worlds.erase(key);
   }

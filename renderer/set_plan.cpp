@@ -200,8 +200,9 @@ std::optional<SetPlan> plan_vpl_sets(const FamilyScene& scene, const SetPilot& p
   const SetTask task = make_set_task(scene, pilot, target, most_cost);
   if (task.pixels.empty() || 2 * kSmallSets * kVplCost * count_small_set_vpls(task) > most_cost) return {};
   std::vector<SetCandidate> candidates = find_candidates(task);
-  if (candidates.empty()) return {};
+  if (candidates.empty() || !find_vpls_per_path(scene.world, seed)) return {};
   const double small_vpls = trace_small_sets(scene, task, candidates, seed, stream_name);
+  if (!(small_vpls > 0)) return {};
   std::optional<SetPlan> plan = find_cheapest(std::move(candidates), small_vpls, task);
   if (plan) {
     for (std::size_t i = 0; i < pilot.beside.values.size(); ++i)

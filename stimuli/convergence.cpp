@@ -150,6 +150,9 @@ Convergence load_convergence(const std::filesystem::path& path) {
   const auto& advice = json.at("advice").as_array();
   for (std::size_t row = 0; row < advice.size(); ++row)
     made.advice.push_back(read_advice(advice[row], made.points.size(), path.string(), row));
+  if (const Json* left_out = json.find("left_out")) {
+    for (const Json& what : left_out->as_array()) made.left_out.push_back(what.as_string());
+  }
   return made;
 }
 
@@ -169,6 +172,9 @@ void save_convergence(const Convergence& made, const std::filesystem::path& path
   json.set("reference", std::move(reference)).set("points", std::move(points));
   json.set("slopes", make_slopes_json(made.slopes)).set("parts", make_parts_json(made.parts));
   json.set("advice", make_advice_json(made.advice));
+  Json left_out{Json::Array{}};
+  for (const std::string& what : made.left_out) left_out.push(what);
+  if (!made.left_out.empty()) json.set("left_out", std::move(left_out));
   save_text(path, format_json(json));
 }
 

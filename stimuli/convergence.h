@@ -82,6 +82,7 @@ struct Convergence {
   std::vector<FittedSlope> slopes;
   std::vector<ErrorPart> parts;
   std::vector<ConvergenceAdvice> advice;
+  std::vector<std::string> left_out;  ///< what could not be measured, and why
   bool operator==(const Convergence&) const = default;
 };
 

@@ -252,6 +252,22 @@ TEST_F(Converge, RepeatsItself) {
     EXPECT_EQ(again.points[i].error, once.points[i].error) << again.points[i].setting;
 }
 
+// More VPLs than there is memory for lose no setting but their own.
+TEST(ConvergeFailure, LeavesOutWhatCannotBeMeasured) {
+  ConvergeParams params = make_params();
+  params.seeds = 2;
+  params.reference_paths = 64;
+  params.budget_s = 1e12;
+  params.ladders = {{30}, {3000, 100'000'000'000}, {0.03}, {0, 9}, 1};
+  const Convergence made = measure_convergence(test::make_metal_wall_scene(), params);
+  EXPECT_NO_THROW(find_point(made, "lightcuts C0", "3k VPLs"));
+  EXPECT_NO_THROW(find_point(made, "path tracing", "16 paths a pixel"));
+  EXPECT_FALSE(made.parts.empty());
+  ASSERT_EQ(made.left_out.size(), 2u);
+  EXPECT_EQ(made.left_out[0].find("lightcuts C0 at 100000M VPLs: "), 0u) << made.left_out[0];
+  EXPECT_NE(format_convergence_page(made, "").find("\n\nLeft out:\n\n- lightcuts C0 at"), std::string::npos);
+}
+
 // Nothing that is foreseen to take longer than the budget is begun.
 TEST(ConvergeBudget, EndsALadder) {
   ConvergeParams params = make_params();

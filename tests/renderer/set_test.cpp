@@ -52,6 +52,35 @@ TEST(Set, GivesTheSameBytesOnOneTwoAndThreeThreadsAndInParts) {
   EXPECT_EQ(digest_products(study.folder() / "parts"), products[0]);
 }
 
+// Its spot shines away from everything.
+constexpr const char* kDarkScene = R"({
+  "schema": "equilux-scene", "schema_version": 1, "name": "dark",
+  "camera": {"position": [0, -3, 0.3], "target": [0, 0, 0], "up": [0, 0, 1], "vertical_fov_degrees": 30},
+  "materials": [{"name": "MS", "model": "lambertian", "rho_d": [0.5, 0.5, 0.5]},
+                {"name": "GS", "model": "lambertian", "rho_d": [0.2, 0.2, 0.2]}],
+  "meshes": [{"name": "ball", "sphere": {"radius": 0.5, "subdivisions": 2}}],
+  "instances": [],
+  "object": {"stand": [0, 0, -0.5], "geometries": [{"name": "G0", "mesh": "ball"}]},
+  "lights": [{"spot": {"position": [0, -2, 3], "target": [0, -2, 9], "inner_degrees": 20,
+                       "outer_degrees": 30, "intensity": [1, 1, 1]}}]
+})";
+
+TEST(Set, OfAWorldWithoutVplsEndsBeforeItsReferences) {
+  const test::TinyStudy study("normalise");
+  save_text(study.folder() / "dark.json", kDarkScene);
+  Json json = parse_json(load_text(study.path()), "study");
+  json.set("scene", (study.folder() / "dark.json").string());
+  save_text(study.path(), format_json(json));
+  try {
+    render(study, "set");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("dark.json: /lights (G0-ind): expected light that"));
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "set"))
+    EXPECT_NE(entry.path().extension(), ".exr") << entry.path();
+}
+
 // make_set in a thread of its own, under a control.
 class ControlledSet {
  public:

@@ -43,6 +43,7 @@ Convergence make_convergence() {
   made.slopes = {{"a", -0.5}};
   made.parts = {{"clamping", "paths", .1, -.02, .001}};
   made.advice = {{5, 0}, {.5, {}}};
+  made.left_out = {"b at two: no memory"};
   return made;
 }
 
