@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "renderer/cut_error.h"
 #include "renderer/reference.h"
 #include "renderer/reference_record.h"
+#include "renderer/set_memory.h"
 #include "renderer/shade.h"
 #include "renderer/stopwatch.h"
 #include "renderer/vpl.h"
@@ -432,10 +432,6 @@ void render_group(const GroupJob& job, const WorldKey& key, const Wanted& missin
   }
 }
 
-// Of a pixel where there are cuts: the layers that the floor of their error comes from, and the curve's
-// values.
-constexpr std::uint64_t kBytesOfFloor = 76;
-
 PathsByCount find_paths(const Study& study, const World& world, const Wanted& missing) {
   PathsByCount paths;
   for (const Condition& condition : missing.conditions) {
@@ -443,30 +439,6 @@ PathsByCount find_paths(const Study& study, const World& world, const Wanted& mi
     if (!paths.contains(count)) paths[count] = find_path_count(world, count, study.seed, study.emission);
   }
   return paths;
-}
-
-// Of a pixel and material: layers of five kinds, with the sums that their errors come from.
-constexpr std::uint64_t kBytesOfMaterial = 190;
-
-// What a view's pixels and the layers of its materials take at least.
-std::uint64_t estimate_view_memory(const Study& study) {
-  std::set<std::string> materials;
-  for (const Block& block : study.blocks) materials.insert(block.materials.begin(), block.materials.end());
-  const auto pixels = static_cast<std::uint64_t>(study.width) * static_cast<std::uint64_t>(study.height);
-  return pixels * (static_cast<std::uint64_t>(study.subpixel_positions) * sizeof(PrimaryHit) +
-                   kBytesOfMaterial * materials.size() + kBytesOfFloor);
-}
-
-// What is not there is said before hours of work, not after.
-void check_memory(const Study& study, const Wanted& missing) {
-  const auto nothing = [] {};
-  with_memory(fmt::format("pictures of {} x {} pixels, {} positions each", study.width, study.height,
-                          study.subpixel_positions),
-              estimate_view_memory(study), nothing);
-  std::int64_t most = 0;
-  for (const Condition& condition : missing.conditions)
-    most = std::max(most, condition.cell.column.vpl_count);
-  with_vpl_memory(most, nothing);
 }
 
 }  // namespace
