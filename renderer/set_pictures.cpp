@@ -96,7 +96,7 @@ void warn_of_emptiness(const LoadedFamily& loaded, const std::string& key, SetSu
   if (is_black(loaded.coverage)) {
     summary.warnings.push_back(key + ": the object is not in the picture");
   } else if (is_black(loaded.indirect) && is_black(loaded.direct)) {
-    summary.warnings.push_back(key + ": no light reaches the object");
+    summary.warnings.push_back(key + ": no path met light on the object");
   }
   const auto& covered = loaded.coverage.values;
   const bool has_background =
