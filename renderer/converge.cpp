@@ -278,6 +278,7 @@ Convergence measure_convergence(const Scene& scene, const ConvergeParams& params
       fmt::format("path tracing, {} paths a pixel", round_paths(params.reference_paths, params.positions));
   made.reference_mean = truth.mean();
   made.reference_rms = truth.rms_of_error();
+  made.reference_square_error = truth.error_of_square();
   made.object_pixels = truth.object_pixels();
   climb_all(lab, truth, lit, made);
   made.slopes = fit_slopes(made);

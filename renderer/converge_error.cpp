@@ -15,6 +15,9 @@ constexpr double kDarkShare = 0.01;
 
 double square(double x) { return x * x; }
 
+// Of a square less its own variance, which is known from kBatches batches, over that variance squared.
+constexpr double kVarianceOfSquare = 2 * (1 + 1.0 / (kBatches - 1));
+
 struct Spread {
   double mean = 0, error = 0;
 };
@@ -62,6 +65,11 @@ ReferenceTruth::ReferenceTruth(TruthLayers layers, const std::string& name) : la
     const float* e = error.pixel(pixel);
     variance += square((double{e[0]} + double{e[1]} + double{e[2]}) / 3);
   }
+  double fourth = 0;
+  for (const std::size_t pixel : pixels_)
+    fourth += square(average_of(pixel, [&](std::size_t i) { return square(error.values[i]); }));
+  error_of_square_ =
+      std::sqrt(kVarianceOfSquare * fourth) / static_cast<double>(pixels_.size()) / square(mean_);
   error_of_mean_ = std::sqrt(variance) / static_cast<double>(pixels_.size()) / mean_;
   display_ = apply_tone_curve(composite({&layers_.background, &layers_.direct, &layers_.indirect.mean}),
                               layers_.tone);
@@ -80,6 +88,14 @@ RunError ReferenceTruth::compare(const HdrImage& indirect) const {
       },
       0);
   run.bias = average(difference, 1);
+  // Noise that is subtracted, and noise times what the picture errs by.
+  double products = 0;
+  for (const std::size_t pixel : pixels_)
+    products +=
+        average_of(pixel, known) * average_of(pixel, [&](std::size_t i) { return square(error.values[i]); });
+  run.square_variance = square(error_of_square_) + 4 * std::max(0.0, products) /
+                                                       square(static_cast<double>(pixels_.size())) /
+                                                       square(square(mean_));
   const LdrImage shown =
       apply_tone_curve(composite({&layers_.background, &layers_.direct, &indirect}), layers_.tone);
   const std::vector<double> flip = measure_flip(display_, shown, layers_.pixels_per_degree);
@@ -98,7 +114,10 @@ ErrorFigures summarise_runs(const std::vector<RunError>& runs, double error_of_m
   const Spread bias = spread_of(runs, [](const RunError& run) { return run.bias; });
   ErrorFigures figures;
   figures.relative_rms = std::sqrt(std::max(0.0, squares.mean));
-  figures.relative_rms_error = figures.relative_rms > 0 ? squares.error / (2 * figures.relative_rms) : 0;
+  const double common = spread_of(runs, [](const RunError& run) { return run.square_variance; }).mean;
+  figures.relative_rms_error = figures.relative_rms > 0
+                                   ? std::hypot(squares.error, std::sqrt(common)) / (2 * figures.relative_rms)
+                                   : 0;
   figures.relative_mse =
       std::max(0.0, spread_of(runs, [](const RunError& run) { return run.relative_square; }).mean);
   figures.bias = bias.mean;

@@ -20,6 +20,8 @@ struct RunError {
   double square = 0;           ///< of x less the reference; the reference's variance subtracted
   double relative_square = 0;  ///< each over r^2 + (mean / 100)^2, likewise
   double bias = 0;             ///< of x less the reference
+  /// Of `square`, by the reference's noise, which all runs have in common.
+  double square_variance = 0;
   double flip = 0, share_over_one_step = 0;
 };
 
@@ -35,6 +37,9 @@ class ReferenceTruth {
   /// Relative rms of the reference's own standard error, and that of its mean.
   double rms_of_error() const { return rms_of_error_; }
   double error_of_mean() const { return error_of_mean_; }
+  /// Relative standard error of the mean square of a picture without error, from which that noise is
+  /// subtracted.
+  double error_of_square() const { return error_of_square_; }
 
   RunError compare(const HdrImage& indirect) const;
 
@@ -49,10 +54,16 @@ class ReferenceTruth {
   }
 
  private:
+  /// Mean over a pixel's channels of f(value index).
+  template <typename Value>
+  double average_of(std::size_t pixel, const Value& value) const {
+    return (value(3 * pixel) + value(3 * pixel + 1) + value(3 * pixel + 2)) / 3;
+  }
+
   TruthLayers layers_;
   std::vector<std::size_t> pixels_;
   LdrImage display_;
-  double mean_ = 0, rms_of_error_ = 0, error_of_mean_ = 0;
+  double mean_ = 0, rms_of_error_ = 0, error_of_mean_ = 0, error_of_square_ = 0;
 };
 
 /// Of runs that differ by their seeds, at least two. `error_of_mean`: the reference's, relative.

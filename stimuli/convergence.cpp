@@ -2,6 +2,7 @@
 #include "stimuli/convergence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <numeric>
@@ -116,6 +117,11 @@ Json make_advice_json(const std::vector<ConvergenceAdvice>& advice) {
   return json;
 }
 
+// For files that do not have it: of equal pixels, in which the channels go together.
+double guess_square_error(const Convergence& made) {
+  return 1.5 * made.reference_rms * made.reference_rms / std::sqrt(static_cast<double>(made.object_pixels));
+}
+
 }  // namespace
 
 double ConvergencePoint::wall() const { return sum_stages(wall_s); }
@@ -140,6 +146,8 @@ Convergence load_convergence(const std::filesystem::path& path) {
   made.reference = reference.at("made_by").as_string();
   made.reference_mean = reference.at("mean").as_double();
   made.reference_rms = reference.at("relative_rms").as_double();
+  const Json* square_error = reference.find("square_error");
+  made.reference_square_error = square_error ? square_error->as_double() : guess_square_error(made);
   for (const Json& row : json.at("points").as_array()) made.points.push_back(read_point(row));
   for (const Json& row : json.at("slopes").as_array())
     made.slopes.push_back({row.at("series").as_string(), row.at("slope").as_double()});
@@ -162,7 +170,8 @@ void save_convergence(const Convergence& made, const std::filesystem::path& path
   Json reference;
   reference.set("made_by", made.reference)
       .set("mean", made.reference_mean)
-      .set("relative_rms", made.reference_rms);
+      .set("relative_rms", made.reference_rms)
+      .set("square_error", made.reference_square_error);
   Json json;
   json.set("schema", "equilux-convergence").set("schema_version", 1).set("producer_version", kVersion);
   json.set("source", made.source).set("condition", made.condition);
@@ -193,7 +202,9 @@ std::optional<double> find_slope(const Convergence& convergence, const std::stri
   return std::nullopt;
 }
 
-double find_least_error(const Convergence& convergence) { return convergence.reference_rms / 3; }
+double find_least_error(const Convergence& convergence) {
+  return std::sqrt(2 * convergence.reference_square_error);
+}
 
 bool is_resolved(const Convergence& convergence, const ConvergencePoint& point) {
   return point.error.relative_rms > 0 && point.error.relative_rms >= find_least_error(convergence);
@@ -215,13 +226,22 @@ std::vector<const ConvergencePoint*> find_frontier(const Convergence& convergenc
 }
 
 std::string format_error(const Convergence& convergence, const ConvergencePoint& point) {
+  if (point.error.relative_rms == 0 && find_least_error(convergence) == 0) return "0 %";
   const bool resolved = is_resolved(convergence, point);
   const double percent = 100 * (resolved ? point.error.relative_rms : find_least_error(convergence));
   return (resolved ? "" : "under ") +
          (percent < 99.5 ? fmt::format("{:.2g} %", percent) : fmt::format("{:.0f} %", percent));
 }
 
+std::string format_error_interval(const Convergence& convergence, const ConvergencePoint& point) {
+  if (!is_resolved(convergence, point)) return format_error(convergence, point);
+  return fmt::format("{:.2f} ± {:.2f} %", 100 * point.error.relative_rms,
+                     100 * point.error.relative_rms_error);
+}
+
 namespace {
+
+constexpr double kNoisyReference = 0.15;  // rms
 
 std::string format_time(double seconds) {
   return seconds < 0.095 ? fmt::format("{:.2g} s", seconds) : format_seconds(seconds);
@@ -240,7 +260,13 @@ std::string format_advice(const Convergence& convergence) {
     const ConvergencePoint& point = convergence.points[*advice.point];
     text += fmt::format("Within {}, the nearest to the truth is {} at {}: {} rms, in {}.",
                         format_time(advice.seconds), point.series, point.setting,
-                        format_error(convergence, point), format_time(point.wall()));
+                        format_error_interval(convergence, point), format_time(point.wall()));
+  }
+  if (convergence.reference_rms > kNoisyReference) {
+    if (!text.empty()) text += ' ';
+    text +=
+        fmt::format("The reference is noisy, by {:.2g} % rms: more paths for it would tell methods apart.",
+                    100 * convergence.reference_rms);
   }
   return text;
 }

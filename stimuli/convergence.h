@@ -17,7 +17,7 @@ namespace equilux {
 /// known of the reference's own noise is subtracted from the squares.
 struct ErrorFigures {
   double relative_rms = 0;        ///< sqrt of the mean squared difference, over the reference's mean radiance
-  double relative_rms_error = 0;  ///< its standard error, by the seeds
+  double relative_rms_error = 0;  ///< its standard error, by the seeds and the reference's noise
   double relative_mse = 0;        ///< mean of (x - r)^2 / (r^2 + (mean / 100)^2)
   double bias = 0;                ///< mean difference over the mean radiance
   double bias_low = 0, bias_high = 0;  ///< 95 % confidence, the reference's noise included
@@ -77,6 +77,9 @@ struct Convergence {
   std::string reference;      ///< how it was made
   double reference_mean = 0;  ///< radiance of the object, mean of channels. units: W/(m^2 sr)
   double reference_rms = 0;   ///< relative rms of its own standard error
+  /// By which a mean square of differences is wrong after that noise is subtracted: the standard error over
+  /// the object's pixels. Relative.
+  double reference_square_error = 0;
   std::size_t object_pixels = 0;
   std::vector<ConvergencePoint> points;
   std::vector<FittedSlope> slopes;
@@ -96,7 +99,8 @@ std::vector<std::string> list_series(const Convergence& convergence);
 
 std::optional<double> find_slope(const Convergence& convergence, const std::string& series);
 
-/// Smaller errors are lost in the reference's noise: a third of it. units: relative rms
+/// Smaller errors are lost in the reference's noise: the root of two standard errors of the mean square from
+/// which it is subtracted. units: relative rms
 double find_least_error(const Convergence& convergence);
 
 /// False for an error that is lost in the reference's noise: such ones count as equal.
@@ -105,10 +109,14 @@ bool is_resolved(const Convergence& convergence, const ConvergencePoint& point);
 /// By rising time, the points that are nearer to the truth than all that take no longer.
 std::vector<const ConvergencePoint*> find_frontier(const Convergence& convergence);
 
-/// Relative rms for a reader: "1.2 %", or "under .3 %" where it is lost in the reference's noise.
+/// Relative rms for a reader: "1.2 %", or "under .3 %" where it is lost in the reference's noise, "0 %" where
+/// there is no noise.
 std::string format_error(const Convergence& convergence, const ConvergencePoint& point);
 
-/// "Within 10 s ...": the advice as sentences.
+/// The same with its standard error: "1.22 ± 0.05 %".
+std::string format_error_interval(const Convergence& convergence, const ConvergencePoint& point);
+
+/// "Within 10 s ...": the advice as sentences, with a warning where the reference is too noisy to give much.
 std::string format_advice(const Convergence& convergence);
 
 }  // namespace equilux

@@ -1,6 +1,7 @@
 // Convergence files come back as they were, and what is said of them follows from the points.
 #include "stimuli/convergence.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
@@ -17,6 +18,7 @@ ConvergencePoint make_point(const char* series, double seconds, double rms) {
   point.wall_s = {{"shading", seconds * 0.75}, {"VPL tracing", seconds * 0.25}};
   point.cpu_s = {{"shading", 2 * seconds}};
   point.error.relative_rms = rms;
+  point.error.relative_rms_error = rms / 5;
   point.error.bias = -rms / 3;
   point.error.flip = 0.25;
   return point;
@@ -34,6 +36,7 @@ Convergence make_convergence() {
   made.reference = "path tracing";
   made.reference_mean = 0.5;
   made.reference_rms = 0.01;
+  made.reference_square_error = 5e-6;
   made.object_pixels = 3;
   made.points = {make_point("b", 4, .1), make_point("a", 1, .2), make_point("b", 2, .3),
                  make_point("b", 8, 0), make_point("a", 9, .05)};
@@ -97,7 +100,7 @@ TEST(Convergence, ListsSeriesInTheirOrderAndTheSettingsThatNoneBeats) {
 
 TEST(Convergence, CountsErrorsBelowTheReferencesNoiseAsEqual) {
   Convergence made = make_convergence();
-  made.reference_rms = 0.375;
+  made.reference_square_error = 0.5 * 0.125 * 0.125;
   EXPECT_EQ(find_least_error(made), 0.125);
   EXPECT_TRUE(is_resolved(made, made.points[1]));
   EXPECT_FALSE(is_resolved(made, made.points[3]));
@@ -109,10 +112,34 @@ TEST(Convergence, CountsErrorsBelowTheReferencesNoiseAsEqual) {
   EXPECT_EQ(frontier[1], &made.points[0]);
 }
 
+TEST(Convergence, OfLightThatIsKnownExactlyHasNoErrorNotLessThanNone) {
+  Convergence made = make_convergence();
+  made.reference_rms = made.reference_square_error = 0;
+  EXPECT_EQ(format_error(made, made.points[3]), "0 %");
+  EXPECT_EQ(format_error_interval(made, made.points[3]), "0 %");
+  EXPECT_EQ(format_error_interval(made, made.points[0]), "10.00 ± 2.00 %");
+}
+
+TEST(ConvergenceFile, WithoutTheErrorOfTheSquareHasThatOfEqualPixels) {
+  const TempFolder folder;
+  const auto path = folder.path() / "x.json";
+  save_convergence(make_convergence(), path);
+  std::string text = load_text(path);
+  const std::size_t begin = text.rfind(',', text.find("\"square_error\""));
+  text.erase(begin, text.find('}', begin) - begin);
+  save_text(path, text);
+  EXPECT_NEAR(load_convergence(path).reference_square_error, 1.5 * 1e-4 / std::sqrt(3), 1e-12);
+}
+
 TEST(Convergence, AdvisesInSentences) {
   EXPECT_EQ(format_advice(make_convergence()),
-            "Within 5.0 s, the nearest to the truth is b at one: 10 % rms, in 4.0 s. No setting that was "
-            "measured takes under 0.5 s.");
+            "Within 5.0 s, the nearest to the truth is b at one: 10.00 ± 2.00 % rms, in 4.0 s. No setting "
+            "that was measured takes under 0.5 s.");
+  Convergence noisy = make_convergence();
+  noisy.advice.clear();
+  noisy.reference_rms = 0.27;
+  EXPECT_EQ(format_advice(noisy),
+            "The reference is noisy, by 27 % rms: more paths for it would tell methods apart.");
 }
 
 }  // namespace
