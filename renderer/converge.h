@@ -29,7 +29,7 @@ struct ConvergeParams {
   std::uint64_t seed = 1;
   int seeds = 4;               ///< of each setting, at least 2
   int reference_paths = 8192;  ///< a pixel, of the object's indirect light
-  double budget_s = 60;        ///< a setting that is foreseen to take longer is left out, with those after it
+  double budget_s = 60;  ///< settings foreseen to take longer are left out, but for the first of each curve
   std::vector<double> asked_s{1, 10, 60};  ///< for which advice is wanted
   ConvergeLadders ladders;
 };

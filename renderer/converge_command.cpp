@@ -103,10 +103,10 @@ void add_converge(CLI::App& app, CommandLine& line) {
   converge->add_option("--seeds", params.seeds, "Pictures of each setting, seed by seed (4)")
       ->check(CLI::Range(2, 1000));
   converge
-      ->add_option("--budget", params.budget_s,
-                   "Longest time of a picture of the curves, seconds (60); reference and parts of the "
-                   "error\ntake what "
-                   "they take")
+      ->add_option(
+          "--budget", params.budget_s,
+          "Longest time of a picture of the curves, seconds (60); the first of each curve, reference and\n"
+          "parts of the error take what they take")
       ->check(is_in_range(0.01, 1e6));
   converge->add_option("--seconds", params.asked_s, "Times for which advice is wanted (1 10 60)")
       ->expected(1, 100)
