@@ -15,7 +15,7 @@ namespace {
 // Raised whenever an estimator changes what it makes from the same inputs: layers made before are then made
 // anew.
 constexpr int kPathEstimator = 9;
-constexpr int kCompensatedEstimator = 6;
+constexpr int kCompensatedEstimator = 7;
 constexpr int kVplEstimator = 5;
 constexpr int kLightcutEstimator = 6;
 
