@@ -70,7 +70,8 @@ class SetMaker {
     const auto lock = lock_folder(own.root, params_.patience);
     LayerStore store(own, study_);
     check_may_make(own, store);
-    if (!params_.job && replaces_shown(store)) begin_change(folder_, "other layers");
+    if (const auto replaced = params_.job ? std::nullopt : find_replaced(store))
+      begin_change(folder_, *replaced);
     const bool is_changing = !find_change_mark(folder_).empty();
     fill_set_folder(own, study_);
     if (!params_.job) left_ = gather_jobs(folder_, study_, scene_, store);
@@ -115,11 +116,13 @@ class SetMaker {
   // Before the first write.
   void check_may_make(const StudyFolder& folder, const LayerStore& store) const {
     check_set_folder(folder, study_);
+    find_verdict(folder);  // damaged, it is said now
     check_unchanged(folder, list_layers(recipes_, wanted_), store);
   }
 
   // The set's own folder is prepared too, so that it can be gathered into.
   StudyFolder open_share() const {
+    check_own_folders(folder_);
     prepare_once();
     check_folder_of(study_, folder_);
     check_unchanged(folder_, list_layers(recipes_, wanted_), LayerStore(folder_, study_));
@@ -141,21 +144,25 @@ class SetMaker {
   }
 
   // Whether layers or the study of pictures that may be shown become others.
-  bool replaces_shown(const LayerStore& store) const {
-    if (!path_exists(folder_.manifest())) return false;
-    if (load_manifest(folder_.manifest()).study_digest != study_.digest) return true;
-    const auto is_replaced = [&](const auto& layer) { return store.is_other(layer.first, layer.second); };
-    const auto any_is_replaced = [&](const std::map<std::string, std::string>& layers) {
-      return std::any_of(layers.begin(), layers.end(), is_replaced);
-    };
-    if (!has_shares(folder_)) return any_is_replaced(list_layers(recipes_, wanted_));
+  std::optional<std::string> find_replaced(const LayerStore& store) const {
+    if (!path_exists(folder_.manifest())) return {};
+    if (load_manifest(folder_.manifest()).study_digest != study_.digest) return "those of another study";
+    if (!has_shares(folder_)) return find_other(store, list_layers(recipes_, wanted_));
     const Wanted all = enumerate_wanted(study_, "*");  // is what shares may bring
-    return any_is_replaced(list_layers(make_recipes(study_, scene_, all), all));
+    return find_other(store, list_layers(make_recipes(study_, scene_, all), all));
+  }
+
+  static std::optional<std::string> find_other(const LayerStore& store,
+                                               const std::map<std::string, std::string>& layers) {
+    for (const auto& [name, recipe] : layers) {
+      if (store.is_other(name, recipe)) return "another " + name;
+    }
+    return {};
   }
 
   void adopt_from(const fs::path& root, LayerStore& store) {
     const StudyFolder other{root};
-    if (!path_exists(other.layers())) return;
+    if (!path_exists(other.layers()) && !path_exists(other.pending_layers())) return;
     LayerStore from(other, study_);
     summary_.layers_adopted += adopt_layers(list_layers(recipes_, wanted_), store, from);
     warn(from.warnings());
@@ -230,8 +237,10 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   const StudyFolder folder{root};
   const Study study = load_folder_study(folder);
   check_own_folders(folder);
+  find_verdict(folder);  // damaged, it is said before the first write
   const auto lock = lock_folder(root);
-  const LayerStore store(folder, study);
+  LayerStore store(folder, study);
+  if (path_exists(folder.pending_layers())) store.save_record();
   const bool is_changing = !find_change_mark(folder).empty();
   SetSummary summary;
   summary.target = study.noise_target;
@@ -279,9 +288,9 @@ std::string format_summary(const SetSummary& summary) {
   for (const std::string& missed : summary.missed) text += "beyond its limit: " + missed + "\n";
   if (!summary.missed.empty())
     text +=
-        "No session begins on such a set, and the same study makes the same again. Give the study another "
-        "seed "
-        "or a\nwider noise_target and run `set` again: it makes anew what these change, and no file is to be "
+        "Such a set does not verify, and the same study makes the same again. Give the study another seed or "
+        "a\n"
+        "wider noise_target and run `set` again: it makes anew what these change, and no file is to be "
         "removed.\n";
   if (!summary.findings.empty())
     text += fmt::format("{} findings of `equilux-render verify` stand, the first {}\n",

@@ -247,7 +247,10 @@ class SetPilotTracer {
     const double least = sum_variance(0), far = candidates_[0].vpl_variance * sum_light(0);
     for (std::size_t k = 1; k < candidates_.size(); ++k) {
       const double light = sum_light(k);
-      if (light > 0) candidates_[k].vpl_variance = (far + sum_variance(k) - least) / light;
+      if (!(light > 0)) continue;
+      const double foreseen = (far + sum_variance(k) - least) / light;
+      // Where the points saw nothing of the hardest level, what they saw of this one counts too.
+      candidates_[k].vpl_variance = far > 0 ? foreseen : std::max(foreseen, candidates_[k].vpl_variance);
     }
   }
 

@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "base/folder_lock.h"
 #include "renderer/jobs.h"
+#include "renderer/set_folder.h"
 
 namespace equilux {
 namespace {
@@ -84,6 +85,7 @@ std::string run_sbatch(const std::string& command) {
 
 std::vector<int> find_unfinished(const SubmitParams& params) {
   const Study study = load_study(params.study_path);
+  check_own_folders({params.folder});
   check_folder_of(study, {params.folder});
   const Scene scene = load_scene(study.scene_path);
   const Wanted all = enumerate_wanted(study, "*");

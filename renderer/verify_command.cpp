@@ -25,18 +25,24 @@ std::vector<Finding> find_lost_shares(const VerifyOptions& options) {
   params.folder = options.folder;
   params.count = options.jobs;
   std::vector<Finding> findings;
-  for (const int index : find_unfinished(params))
-    findings.push_back({fmt::format("share {} of {}", index, options.jobs),
-                        "not whole; `equilux-render submit` with this number renders what it lacks", true});
+  try {  // the boundary to what else was found
+    for (const int index : find_unfinished(params))
+      findings.push_back({fmt::format("share {} of {}", index, options.jobs),
+                          "not whole; `equilux-render submit` with this number renders what it lacks", true});
+  } catch (const InputError& error) {
+    findings.push_back({"shares", error.what(), true});
+  }
   return findings;
 }
 
-// A folder that is only to be read can be verified too.
+// A folder that is only to be read can be verified too, and one whose earlier verdict is damaged.
 void record(const VerifyOptions& options, std::vector<Finding>& findings) {
   try {
     findings = renew_verdict({options.folder}, findings, !options.study.empty());
   } catch (const StoreError& error) {
     fmt::print(stderr, "what was found is not recorded: {}\n", error.what());
+  } catch (const InputError& error) {
+    findings.push_back({"verdict", fmt::format("{}; `verify --study` writes it anew", error.what())});
   }
 }
 

@@ -16,6 +16,8 @@ namespace {
 // anew.
 constexpr int kPathEstimator = 9;
 constexpr int kCompensatedEstimator = 7;
+// How VPLs with full emission are counted.
+constexpr int kFullCount = 2;
 constexpr int kVplEstimator = 5;
 constexpr int kLightcutEstimator = 6;
 
@@ -140,6 +142,7 @@ std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition
     if (recipes.study.paths) set_exposure(json, recipes.study.planned_tone);
   }
   json.set("emission", recipes.study.emission == Emission::kFull ? "full" : "lambertian");
+  if (recipes.study.emission == Emission::kFull) json.set("count_version", kFullCount);
   json.set("vpls", column.vpl_count).set("clamp", format_clamp(condition.cell.clamp_level));
   return digest_json(json);
 }

@@ -55,6 +55,23 @@ TEST_F(DoubtedSet, IsMendedByToneMappingOrRenderingIt) {
   }
 }
 
+// Tone mapping takes up what a run that was killed had on record in layers.pending.json alone.
+TEST_F(DoubtedSet, WhoseRecordsArePendingIsWholeOnceToneMapped) {
+  fs::rename(folder_.layers(), folder_.pending_layers());
+  EXPECT_THAT(tonemap_set(folder_.root).findings, IsEmpty());
+  EXPECT_EQ(test::digest_products(folder_.root), whole_);
+  EXPECT_FALSE(fs::exists(folder_.pending_layers()));
+}
+
+// Before anything is written.
+TEST_F(DoubtedSet, WithADamagedVerdictIsRefused) {
+  save_text(folder_.verdict(), "none");
+  EXPECT_THROW(make(), InputError);
+  EXPECT_THROW(tonemap_set(folder_.root), InputError);
+  fs::remove(folder_.verdict());
+  EXPECT_EQ(test::digest_products(folder_.root), whole_);
+}
+
 // A picture that no program can read is one that is not that of its layers.
 TEST_F(DoubtedSet, IsMendedWhereAPictureIsNone) {
   const fs::path path = folder_.root / "pictures" / (kKey + ".png");
