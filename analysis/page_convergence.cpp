@@ -46,17 +46,25 @@ std::string format_error_parts(const Convergence& convergence) {
   return format_html_table(table, 2);
 }
 
+// What a machine or a scene did not allow.
+std::string format_left_out(const Convergence& convergence) {
+  if (convergence.left_out.empty()) return "";
+  std::string text = "<p>Not measured:</p>\n<ul>\n";
+  for (const std::string& what : convergence.left_out) text += "<li>" + escape_xml(what) + "</li>\n";
+  return text + "</ul>\n";
+}
+
 std::string format_exhibit(const ConvergenceExhibit& exhibit) {
   const Convergence& convergence = exhibit.convergence;
   return fmt::format(
       "<h3>{}, {}</h3>\n<p>{}</p>\n{}<p>Each row is nearer to the reference ({}; its standard error {:.2g} % "
       "rms) "
-      "than all that take no longer, on {} threads at {} &times; {} pixels.</p>\n{}"
+      "than all that take no longer, on {} threads at {} &times; {} pixels.</p>\n{}{}"
       "<details><summary>The error of this condition&rsquo;s picture in its parts</summary>\n{}</details>\n",
       escape_xml(convergence.source), escape_xml(convergence.condition),
       escape_xml(format_advice(convergence)), format_plot(exhibit), escape_xml(convergence.reference),
       100 * convergence.reference_rms, convergence.threads, convergence.width, convergence.height,
-      format_buys(convergence), format_error_parts(convergence));
+      format_buys(convergence), format_left_out(convergence), format_error_parts(convergence));
 }
 
 }  // namespace

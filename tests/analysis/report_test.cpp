@@ -220,11 +220,13 @@ TEST(Report, shows_error_against_run_time_where_it_was_measured) {
   fast.setting = "faster & better";
   convergence.points = {slow, fast};
   convergence.advice = {{10, 1}};
+  convergence.left_out = {"lightcuts at <5M>: no memory"};
   report.convergences = {{convergence, "<svg>'plot'</svg>"}};
   const std::string page = format_page({report});
   EXPECT_TRUE(has(page, "<h2>Error against run time</h2>"));
-  EXPECT_TRUE(
-      has(page, "the nearest to the truth is path tracing at faster &amp; better: 1 % rms, in 2.0 s."));
+  EXPECT_TRUE(has(
+      page, "the nearest to the truth is path tracing at faster &amp; better: 1.00 ± 0.00 % rms, in 2.0 s."));
+  EXPECT_TRUE(has(page, "<li>lightcuts at &lt;5M&gt;: no memory</li>"));
   EXPECT_FALSE(has(page, "64 paths a pixel")) << "a setting that is slower and worse";
   EXPECT_TRUE(has(page, "path tracing, &lt;9&gt; paths"));
   EXPECT_TRUE(has(page, "data:image/svg+xml,%3Csvg%3E%27plot%27%3C%2Fsvg%3E"));
