@@ -192,7 +192,7 @@ TEST_F(ProgramInput, NamesADamagedManifestBeforeAnythingIsRendered) {
   save_text(folder.manifest(), "{\"schema\": \"equilux-manifest\"");
   const Words words = {"set", study.path().string(), "--out", folder.root.string()};
   expect_input_error("render", words, folder.manifest().string());
-  EXPECT_TRUE(fs::is_empty(folder.layer_folder()));
+  EXPECT_FALSE(path_exists(folder.layer_folder()));
 }
 
 TEST(Plan, TellsWhatAFolderStillLacks) {
