@@ -79,12 +79,17 @@ Omission plan_direct(const Probe& probe) {
           left_out ? "its evaluation, " + count_points(probe) : ""};
 }
 
+std::string tell_saved_samples(const Probe& probe) {
+  if (!probe.world.may_be_lit(0)) return "nothing more: none of the object is evaluated";
+  return fmt::format("all but one of {} evaluations, {}", kBatches, count_points(probe));
+}
+
 Omission plan_direct_sampling(const Probe& probe) {
   const bool left_out = !has_extended_lights(probe.world);
   return {"sampling of direct light", left_out,
           left_out ? "no light has an area: its direct light is a sum, without chance"
                    : "a light has an area, or there is an environment",
-          left_out ? fmt::format("all but one of {} evaluations, {}", kBatches, count_points(probe)) : ""};
+          left_out ? tell_saved_samples(probe) : ""};
 }
 
 Omission plan_spots(const Probe& probe) {
