@@ -2,6 +2,7 @@
 #include "renderer/compensation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 
 #include "base/error.h"
@@ -29,8 +30,10 @@ struct Strip {
   explicit Strip(std::size_t layers) : walks(layers) {}
 };
 
-// Of VPLs that shine alike each square is its light times what one of them brings.
+// Of VPLs that shine alike each square is its light times what one of them brings: of order c^2 / peak, so
+// nothing where the peak leaves the range of float.
 Vec3 find_square(const ReturnedLight& light, double clamp_per_m2) {
+  if (!std::isfinite(light.peak_per_m2)) return {};
   const double share = std::min(1.0, clamp_per_m2 / double{light.peak_per_m2});
   return light.clamped * light.response * static_cast<float>(share * share);
 }

@@ -310,38 +310,53 @@ std::vector<double> measure_variances(const Stage& stage, std::size_t sets, std:
   return variances;
 }
 
+// Variance beyond that of the hardest clamp, as compensation's paths foresee it over what independent sets
+// show, of C5 to C8.
+std::vector<double> compare_variances(const Stage& stage) {
+  constexpr std::int64_t kPaths = 1500;
+  const std::vector<double> seen = measure_variances(stage, 32, kPaths);
+  const Primary primary = trace_primary(stage.world, make_view_camera(stage.scene, 0), 96, 72, 1);
+  CompensationRecord record;
+  trace_compensation(
+      {stage.world, stage.materials, primary}, PathMap(96 * 72, 16),
+      {kAllClamps, Emission::kLambertian, 1, "variance", {}}, [](double) {}, &record);
+  std::vector<SurfacePoint> points;
+  for (std::size_t i = 0; i < stage.points.size(); i += 8) points.push_back(stage.points[i].surface);
+  const std::array<double, 3> intensity =
+      measure_intensity(join_vpls(trace_vpls(stage.world, stage.materials, kPaths, 1, "variance")), points);
+  const auto foresee = [&](std::size_t level) {
+    double sum = 0;
+    for (const ShadingPoint& point : stage.points) {
+      const float* of_pixel = record.variances[level].pixel(point.pixel);
+      // Of a luminance, as if all channels came together.
+      sum += luminance({static_cast<float>(intensity[0] * of_pixel[0]),
+                        static_cast<float>(intensity[1] * of_pixel[1]),
+                        static_cast<float>(intensity[2] * of_pixel[2])});
+    }
+    return sum / static_cast<double>(stage.points.size());
+  };
+  std::vector<double> ratios;
+  for (std::size_t level = 5; level < 9; ++level)
+    ratios.push_back((foresee(level) - foresee(10)) / (seen[level] - seen[10]));
+  return ratios;
+}
+
 // What compensation's paths foresee of VPLs that are near is what independent sets show, level over level.
 // Two fifths are allowed: intensities differ from place to place, and sets are few.
 TEST(CompensationRecord, ForeseesTheVarianceOfVplsThatTheClampActsOn) {
   const Scene cafe = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
   for (const char* material : {"MS", "GS"}) {
-    const Stage stage(cafe, "G0", material);
-    constexpr std::int64_t kPaths = 1500;
-    const std::vector<double> seen = measure_variances(stage, 32, kPaths);
-    const Primary primary = trace_primary(stage.world, make_view_camera(stage.scene, 0), 96, 72, 1);
-    CompensationRecord record;
-    trace_compensation(
-        {stage.world, stage.materials, primary}, PathMap(96 * 72, 16),
-        {kAllClamps, Emission::kLambertian, 1, "variance", {}}, [](double) {}, &record);
-    std::vector<SurfacePoint> points;
-    for (std::size_t i = 0; i < stage.points.size(); i += 8) points.push_back(stage.points[i].surface);
-    const std::array<double, 3> intensity =
-        measure_intensity(join_vpls(trace_vpls(stage.world, stage.materials, kPaths, 1, "variance")), points);
-    std::vector<double> foreseen(kAllClamps.size());
-    for (std::size_t level = 0; level < foreseen.size(); ++level) {
-      for (const ShadingPoint& point : stage.points) {
-        const float* of_pixel = record.variances[level].pixel(point.pixel);
-        // Of a luminance, as if all channels came together.
-        foreseen[level] += luminance({static_cast<float>(intensity[0] * of_pixel[0]),
-                                      static_cast<float>(intensity[1] * of_pixel[1]),
-                                      static_cast<float>(intensity[2] * of_pixel[2])}) /
-                           static_cast<double>(stage.points.size());
-      }
-    }
-    for (std::size_t level = 5; level < 9; ++level) {
-      const double more_seen = seen[level] - seen[10], more_foreseen = foreseen[level] - foreseen[10];
-      EXPECT_NEAR(more_foreseen / more_seen, 1, 0.4) << material << " C" << level;
-    }
+    for (const double ratio : compare_variances(Stage(cafe, "G0", material)))
+      EXPECT_NEAR(ratio, 1, 0.4) << material;
+  }
+}
+
+// In the proof room it foresees half as much again, at every level alike: why is not known. Too much costs
+// time alone.
+TEST(CompensationRecord, ForeseesMoreVarianceThanThereIsInTheProofRoom) {
+  for (const double ratio : compare_variances(Stage({"G2", "MS", Emission::kLambertian}))) {
+    EXPECT_GT(ratio, 1);
+    EXPECT_LT(ratio, 2);
   }
 }
 
