@@ -112,10 +112,11 @@ ToneMapping read_tone(const Json& json) {
   return tone;
 }
 
-// Sets need a noise target.
+// By sets unless the study says otherwise; they need a noise target.
 ReferenceMethod parse_reference(const Study& study, const std::string& source) {
   const Json* reference = study.source.find("reference");
-  if (!reference || reference->as_string() == "path") return ReferenceMethod::kPath;
+  if (!reference) return study.paths ? ReferenceMethod::kPath : ReferenceMethod::kCompensated;
+  if (reference->as_string() == "path") return ReferenceMethod::kPath;
   if (study.paths)
     throw InputError(source, "/reference", "path, since /paths fixes their number", reference->as_string());
   return ReferenceMethod::kCompensated;

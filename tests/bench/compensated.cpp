@@ -99,6 +99,7 @@ void print_row(const Scene& scene, const std::string& key, const Options& option
                       made->mean_clusters,
                       made->compensation_paths / std::count_if(coverage.values.begin(), coverage.values.end(),
                                                                [](float covered) { return covered > 0; }));
+    if (!sets.layers.added.empty()) how += fmt::format(", {} added", sets.layers.added.size());
     double most = 0;
     for (const RegionCheck& region : made->regions) most = std::max(most, std::abs(region.z()));
     worst = fmt::format("{:.1f}", most);

@@ -1,15 +1,18 @@
 // What each omission of the plan gains: with and without it, turn by turn, in one run.
 #include "renderer/plan.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "renderer/compensation.h"
 #include "renderer/lightcut.h"
 #include "renderer/lights.h"
 #include "renderer/reference.h"
+#include "renderer/vpl_sets.h"
 #include "tests/bench/bench.h"
 
 namespace equilux {
@@ -83,17 +86,55 @@ Material force_lobe(Material material) {
   return material;
 }
 
+// What is measured of the object's glossy lobe.
+struct LobeWork {
+  const char* name;
+  const char* measured;
+  std::function<void(const Material&)> run;
+};
+
+std::vector<LobeWork> list_lobe_work(const Stage& stage, const VplList& few, const LightTree& tree) {
+  const auto totals = std::make_shared<const ShadedPoints>(shade_lightcut(
+      stage.world, stage.points, tree, {stage.materials[0]}, {clamp_per_m2(8)}, {0.0075, 1e-4}));
+  return {
+      {"sum", "plain sum of 1k, LG",
+       [&](const Material& material) { sum(stage, few, material, all_levels()); }},
+      {"cuts", "cuts of 1M, LG", [&](const Material& material) { cut(stage, tree, material, all_levels()); }},
+      {"set", "a set's cuts of 1M at 1 %, LG, C8",
+       [&stage, &tree, totals](const Material& material) {
+         shade_lightcut(stage.world, stage.points, tree, {material}, {clamp_per_m2(8)},
+                        make_set_rule(0.01, 1e-4, *totals, 1, "bench"));
+       }},
+      {"paths", "indirect light, LG, 64 paths a pixel", [&](const Material& material) {
+         Materials materials = stage.materials;
+         materials[0] = material;
+         equilux::trace_layers({stage.world, materials, stage.primary},
+                               make_fixed_maps(stage.primary, {0, 0, 64}), 1, "bench", {}, [](double) {});
+       }}};
+}
+
 void compare_lobe() {
   const Stage stage("LG", Illumination::kIndirect);
   const Material plain = stage.materials[0], forced = force_lobe(plain);
-  const VplList list = stage.trace(1000);
-  print_row(
-      "the object's glossy lobe", "plain sum of 1k, LG", [&] { sum(stage, list, plain, all_levels()); },
-      [&] { sum(stage, list, forced, all_levels()); });
+  const VplList few = stage.trace(1000);
   const LightTree tree = make_light_tree(stage.trace(1000000), {1, 4});
-  print_row(
-      "", "cuts of 1M, LG", [&] { cut(stage, tree, plain, all_levels()); },
-      [&] { cut(stage, tree, forced, all_levels()); });
+  const char* what = "the object's glossy lobe";
+  for (const LobeWork& work : list_lobe_work(stage, few, tree)) {
+    print_row(
+        what, work.measured, [&] { work.run(plain); }, [&] { work.run(forced); });
+    what = "";
+  }
+}
+
+// For a profiler that counts instructions: gains of a hundredth do not show in times.
+void run_lobe_once(const std::string& name, bool with_lobe) {
+  const Stage stage("LG", Illumination::kIndirect, {}, 48);
+  const VplList few = stage.trace(1000);
+  const LightTree tree = make_light_tree(stage.trace(100000), {1, 4});
+  const Material material = with_lobe ? force_lobe(stage.materials[0]) : stage.materials[0];
+  for (const LobeWork& work : list_lobe_work(stage, few, tree)) {
+    if (work.name == name) work.run(material);
+  }
 }
 
 void compare_emission() {
@@ -224,8 +265,19 @@ void compare_rays() {
 }  // namespace
 }  // namespace equilux
 
-int main() {
+int main(int argc, char** argv) {
   using namespace equilux;
+  CLI::App app("What each omission of the plan gains");
+  std::string lobe;
+  bool with_lobe = false;
+  app.add_option("--lobe-once", lobe, "Only the object's lobe, in small, once: for a profiler")
+      ->check(CLI::IsMember({"none", "sum", "cuts", "set", "paths"}));
+  app.add_flag("--with-lobe", with_lobe, "That with it");
+  CLI11_PARSE(app, argc, argv);
+  if (!lobe.empty()) {
+    run_lobe_once(lobe, with_lobe);
+    return 0;
+  }
   fmt::print("| left out | measured | s | s with it | gain |\n|---|---|---:|---:|---:|\n");
   compare_lobe();
   compare_emission();

@@ -56,7 +56,7 @@ TEST_F(StudyFile, IsReadInFull) {
 
 TEST_F(StudyFile, TakesCompensatedReferencesWhereANoiseTargetRules) {
   EXPECT_EQ(load(pocket_).reference, ReferenceMethod::kCompensated);
-  EXPECT_EQ(load(without(pocket_, "/reference")).reference, ReferenceMethod::kPath);
+  EXPECT_EQ(load(without(pocket_, "/reference")).reference, ReferenceMethod::kCompensated);
   EXPECT_EQ(load(with(pocket_, "/reference", "path")).reference, ReferenceMethod::kPath);
   EXPECT_EQ(load(with(pocket_, "/reference", "compensated")).reference, ReferenceMethod::kCompensated);
   Json paths;

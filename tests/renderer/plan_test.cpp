@@ -208,6 +208,45 @@ TEST(Omission, OfTheTreeIsTheSumThatCutsAreHeldTo) {
     ASSERT_NEAR(luminance(cut[i]), luminance(sum[i]), 2e-5 * luminance(sum[i])) << i;
 }
 
+// A cut for all levels is as fine as each level's own, so that each errs no more than alone; opened to the
+// end, to a rounding.
+TEST(Omission, OfATraversalForEachLevelKeepsEachWithinItsRule) {
+  const Stage stage(load_cafe(), "G2", "MS", Illumination::kIndirect);
+  const VplList list = join_vpls(trace_vpls(stage.world, stage.materials, 5000, 1, "plan-test"));
+  ASSERT_FALSE(is_summed_plainly(static_cast<std::int64_t>(list.size())));
+  const auto points = find_shading_points(stage.primary);
+  const auto object = std::vector{stage.materials[0]};
+  const std::vector<double> clamps{clamp_per_m2(0), clamp_per_m2(3), clamp_per_m2(6), clamp_per_m2(10)};
+  const auto sum = shade_all_vpls(stage.world, points, list, object, clamps, [](double) {});
+  const LightTree tree = make_light_tree(VplList(list), {1, 4});
+  for (const double ratio : {1e-9, 0.0075, 0.05}) {
+    const LightcutParams rule{ratio, 1e-5};
+    CutRecord all_sizes;
+    const auto all = shade_lightcut(stage.world, points, tree, object, clamps, rule, &all_sizes);
+    for (std::size_t level = 0; level < clamps.size(); ++level) {
+      CutRecord sizes;
+      const auto alone = shade_lightcut(stage.world, points, tree, object, {clamps[level]}, rule, &sizes);
+      double together = 0, apart = 0, light = 0, shorter = 0;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double true_light = luminance(sum.radiance[sum.index(0, level, i)]),
+                     of_all = luminance(all.radiance[all.index(0, level, i)]),
+                     of_one = luminance(alone.radiance[alone.index(0, 0, i)]);
+        if (ratio == 1e-9) {
+          ASSERT_NEAR(of_all, of_one, 2e-5 * of_one) << i;
+        }
+        together += std::pow(of_all - true_light, 2);
+        apart += std::pow(of_one - true_light, 2);
+        light += true_light * true_light;
+        shorter += all_sizes.sizes[i] < sizes.sizes[i] ? 1 : 0;
+      }
+      EXPECT_LE(std::sqrt(together), 1.1 * std::sqrt(apart) + 1e-5 * std::sqrt(light))
+          << ratio << " " << level;
+      // A total that comes out higher may leave out a node or two.
+      EXPECT_LE(shorter, 0.05 * static_cast<double>(points.size())) << ratio << " " << level;
+    }
+  }
+}
+
 // Rays that end where the asked clamp takes nothing, and rays that go on for a level that nobody needs.
 TEST(Omission, OfLongCompensationRaysKeepsEveryBit) {
   const Stage stage(load_cafe(), "G2", "LG", Illumination::kIndirect);
