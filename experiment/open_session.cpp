@@ -314,14 +314,36 @@ void check_still_shown(const SessionInputs& inputs) {
                      "others, made since; begin again");
 }
 
-TrialLog make_log(const SessionInputs& inputs) {
+void check_unchanged(const std::filesystem::path& file, const std::string& before, const std::string& now) {
+  if (now == before) return;
+  throw InputError(file.string(), "", "the file that the session was prepared with",
+                   "another, changed since; begin again");
+}
+
+// Nor a file that people edit: no later session could be made from what is gone. A log may be null.
+void check_still_same(const SessionInputs& inputs, const TrialLog* log) {
+  const StudyFolder& folder = inputs.folder;
+  const SessionDigests& digests = inputs.digests;
+  check_unchanged(folder.study(), digests.study, load_folder_study(folder).digest);
+  check_unchanged(folder.session(), digests.protocol, load_session_protocol(folder.session()).digest);
+  if (inputs.experiment == Experiment::kArtifact) {
+    check_unchanged(inputs.study.windows_path, digests.windows,
+                    load_windows(inputs.study.windows_path, inputs.study).digest);
+  } else {
+    check_unchanged(folder.selection(inputs.kind), digests.selection,
+                    digest_selection(load_current_selection(folder, log, inputs.study, inputs.kind)));
+  }
   check_still_shown(inputs);
+}
+
+TrialLog make_log(const SessionInputs& inputs) {
+  check_still_same(inputs, nullptr);
   return TrialLog(inputs.folder.responses(), true);
 }
 
 // Locked before it is looked for, so that of two who begin at once one waits for nobody and one is refused.
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request) {
-  check_still_shown(inputs);
+  check_still_same(inputs, &log);
   SessionLock lock(inputs.folder.responses(), name_lock(inputs, request.participant));
   if (lock.is_busy()) refuse_running(inputs, log, request.participant);
   const auto unfinished = find_unfinished_session(inputs, log, request);

@@ -75,7 +75,7 @@ SessionInputs load_session_inputs(const StudyFolder& folder, const TrialLog* log
                                   const SessionRequest& request);
 
 /// The folder's log, made for a session that is about to begin. errors: InputError as open_session, where
-/// pictures were replaced since `inputs`; as TrialLog
+/// pictures or a file were replaced since `inputs`; as TrialLog
 TrialLog make_log(const SessionInputs& inputs);
 
 /// The participant's session that may go on, after the checks of open_session; empty where a new one would
@@ -89,10 +89,11 @@ void check_not_running(const SessionInputs& inputs, const TrialLog& log, const S
 
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
-/// picture is missing, while pictures are replaced (change_mark.h) or if they were since `inputs`, if the
-/// participant has finished this experiment, if the protocol lets no person go on with an interrupted
-/// session, or not after so long, or where that cannot be told by the clock, if an earlier session of this
-/// experiment and kind was made from other digests, or as check_not_running; StoreError from the log.
+/// picture is missing, while pictures are replaced (change_mark.h) or if they, study, windows, selection or
+/// protocol were since `inputs`, if the participant has finished this experiment, if the protocol lets no
+/// person go on with an interrupted session, or not after so long, or where that cannot be told by the clock,
+/// if an earlier session of this experiment and kind was made from other digests, or as check_not_running;
+/// StoreError from the log.
 OpenSession open_session(const StudyFolder& folder, TrialLog& log, const SessionRequest& request);
 OpenSession open_session(const SessionInputs& inputs, TrialLog& log, const SessionRequest& request);
 

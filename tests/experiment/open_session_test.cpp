@@ -2,6 +2,7 @@
 #include "experiment/open_session.h"
 
 #include <chrono>
+#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -286,6 +287,42 @@ TEST_F(OpenSessionTest, RefusesPicturesThatAreOthersThanItWasPreparedWith) {
   expect_none_begun("expected the pictures that the session was prepared with, got others, made since");
   save_manifest(before, folder_.manifest());
   EXPECT_EQ(open_session(inputs, log_, request).row.participant, "P1");
+}
+
+// Else the first session would be of windows that are nowhere any more, and the folder could have no second.
+TEST_F(OpenSessionTest, RefusesFilesThatAreOthersThanItWasPreparedWith) {
+  const SessionRequest artifact = request_of("P1"), material = request_of("P1", Experiment::kMaterial);
+  save_fake_selection(folder_, SubjectKind::kPerson, {4, 6, 10});
+  const auto expect_refused_by = [&](const SessionRequest& request, const fs::path& file,
+                                     const std::function<void()>& change) {
+    const SessionInputs inputs = load_session_inputs(folder_, &log_, request);
+    const std::string before = fs::exists(file) ? load_text(file) : "";
+    change();
+    const auto refusal = HasSubstr(file.string() + ": expected the file that the session was prepared with");
+    EXPECT_THAT([&] { open_session(inputs, log_, request); }, ThrowsMessage<InputError>(refusal));
+    EXPECT_THAT([&] { make_log(inputs); }, ThrowsMessage<InputError>(refusal));
+    EXPECT_THAT(log_.load_sessions(), IsEmpty());
+    before.empty() ? static_cast<void>(fs::remove(file)) : save_text(file, before);
+  };
+  expect_refused_by(artifact, folder_.windows(),
+                    [&] { replace_in_file(folder_.windows(), "\"first\": \"C4\"", "\"first\": \"C5\""); });
+  expect_refused_by(artifact, folder_.session(), [&] {
+    save_text(folder_.session(),
+              R"({"schema": "equilux-session", "schema_version": 1, "least_response_ms": 9})");
+  });
+  expect_refused_by(material, folder_.selection(SubjectKind::kPerson), [&] {
+    save_fake_selection(folder_, SubjectKind::kPerson, {4, 8, 10});
+  });
+  EXPECT_EQ(open("P1").row.participant, "P1");
+}
+
+TEST_F(OpenSessionTest, RefusesASelectionThatArtifactAnswersCameAfter) {
+  save_fake_selection(folder_, SubjectKind::kPerson, {4, 6, 10});
+  const SessionRequest request = request_of("P1", Experiment::kMaterial);
+  const SessionInputs inputs = load_session_inputs(folder_, &log_, request);
+  finish(open("P2"));
+  EXPECT_THAT([&] { open_session(inputs, log_, request); },
+              ThrowsMessage<InputError>(HasSubstr("of the artifact answers in the log")));
 }
 
 TEST_F(OpenSessionTest, RefusesAPictureOfAnotherSize) {
