@@ -1,8 +1,10 @@
 // Characters to ranges of glyphs.
 #include "experiment/app/glyphs.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <imgui.h>
+#include <iterator>
 #include <type_traits>
 
 #include "base/error.h"
@@ -36,6 +38,19 @@ char32_t read_character(const std::string& text, std::size_t& at) {
     character = character << 6U | (static_cast<unsigned char>(text[at++]) & 0x3FU);
   }
   return character;
+}
+
+struct Span {
+  char32_t first, last;
+};
+// Hebrew, Arabic and their neighbours with their forms, and marks of direction. source: Unicode 15,
+// Bidi_Class
+constexpr Span kRightToLeft[] = {{0x0590, 0x08FF}, {0x200F, 0x200F}, {0x202B, 0x202B}, {0x202E, 0x202E},
+                                 {0x2067, 0x2067}, {0xFB1D, 0xFDFF}, {0xFE70, 0xFEFC}};
+
+bool runs_to_the_left(char32_t character) {
+  return std::any_of(std::begin(kRightToLeft), std::end(kRightToLeft),
+                     [&](const Span& span) { return character >= span.first && character <= span.last; });
 }
 
 bool has_glyph(const ImFont& font, char32_t character) {
@@ -76,9 +91,12 @@ std::vector<unsigned short> make_glyph_ranges(const std::vector<ShownText>& text
 void check_glyphs(const ImFont& font, const std::string& font_name, const std::vector<ShownText>& texts) {
   for (const ShownText& shown : texts) {
     for (const char32_t character : decode_characters(shown.text)) {
-      if (has_glyph(font, character)) continue;
-      throw InputError(shown.file, shown.place, fmt::format("characters that {} has", font_name),
-                       fmt::format("U+{:04X}", static_cast<std::uint32_t>(character)));
+      const std::string name = fmt::format("U+{:04X}", static_cast<std::uint32_t>(character));
+      // The font may have it, but each line is drawn from the left, letter by letter.
+      if (runs_to_the_left(character))
+        throw InputError(shown.file, shown.place, "writing that runs from left to right", name);
+      if (!has_glyph(font, character))
+        throw InputError(shown.file, shown.place, fmt::format("characters that {} has", font_name), name);
     }
   }
 }

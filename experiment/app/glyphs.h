@@ -31,7 +31,7 @@ std::vector<char32_t> decode_characters(const std::string& text);
 std::vector<unsigned short> make_glyph_ranges(const std::vector<ShownText>& texts);
 
 /// errors: InputError naming file, text and the first character that `font`, called `font_name`, has no glyph
-/// for.
+/// for, or whose writing runs from right to left: it would be drawn the wrong way round.
 void check_glyphs(const ImFont& font, const std::string& font_name, const std::vector<ShownText>& texts);
 
 }  // namespace equilux
