@@ -18,7 +18,16 @@ namespace {
 constexpr const char* kBuiltIn = "en";
 constexpr std::size_t kLongestText = 4000;
 
+void check_schema(const Json& json, const std::string& source) {
+  const Json *schema = json.find("schema"), *version = json.find("schema_version");
+  if (!schema || *schema != Json("equilux-texts"))
+    throw InputError(source, "/schema", "\"equilux-texts\"", schema ? describe_json(*schema) : "none");
+  if (!version || *version != Json(1))
+    throw InputError(source, "/schema_version", "1", version ? describe_json(*version) : "none");
+}
+
 std::map<std::string, std::string> read_texts(const Json& json, const std::string& source) {
+  check_schema(json, source);
   const Json* table = json.find("texts");
   if (!table || !table->is_object()) throw InputError(source, "/texts", "an object of texts", "none");
   std::map<std::string, std::string> texts;

@@ -21,7 +21,10 @@ class TextsTest : public ::testing::Test {
   Texts load(const std::map<std::string, std::string>& texts) {
     Json table;
     for (const auto& [name, text] : texts) table.set(name, text);
-    folder_.write("texts-xx.json", format_json(Json().set("texts", table)));
+    return load_file(Json().set("schema", "equilux-texts").set("schema_version", 1).set("texts", table));
+  }
+  Texts load_file(const Json& file) {
+    folder_.write("texts-xx.json", format_json(file));
     return load_texts("xx", folder_.path());
   }
   std::string refusal_of(const std::map<std::string, std::string>& texts) {
@@ -64,6 +67,20 @@ TEST_F(TextsTest, ATranslationIsCompleteAndHasTheSamePlaces) {
   texts = english_.all();
   texts["close"] = "";
   EXPECT_THAT(refusal_of(texts), HasSubstr("/texts/close"));
+}
+
+TEST_F(TextsTest, ATableSaysThatItIsOneAndOfWhichSchema) {
+  Json table;
+  for (const auto& [name, text] : english_.all()) table.set(name, text);
+  const auto refusal_of_file = [&](const Json& file) {
+    return message_of<InputError>([&] { load_file(file); });
+  };
+  const Json file = Json().set("texts", table);
+  EXPECT_THAT(refusal_of_file(file),
+              HasSubstr("texts-xx.json: /schema: expected \"equilux-texts\", got none"));
+  EXPECT_THAT(refusal_of_file(Json(file).set("schema", "equilux-session")), HasSubstr("/schema"));
+  EXPECT_THAT(refusal_of_file(Json(file).set("schema", "equilux-texts").set("schema_version", 2)),
+              HasSubstr("/schema_version: expected 1, got 2"));
 }
 
 }  // namespace
