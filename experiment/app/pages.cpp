@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <imgui.h>
 #include <imgui_internal.h>
 #include <vector>
@@ -111,7 +113,8 @@ void Page::say_indented(const std::string& paragraph) const {
 
 bool Page::press(const std::string& button) const {
   ImGui::Spacing();
-  return ImGui::Button(button.c_str());
+  const float room = ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().FramePadding.x;
+  return ImGui::Button(break_text(button, room).c_str());
 }
 
 void Page::warn(const std::string& text) const {
@@ -132,6 +135,11 @@ void Page::leave_space() const { ImGui::Spacing(); }
 bool Page::is_seen() const {
   const float end = ImGui::GetCursorScreenPos().y - ImGui::GetStyle().ItemSpacing.y;
   return end <= ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+}
+
+std::string break_text(const std::string& text, float width) {
+  return fmt::format("{}",
+                     fmt::join(break_lines(*ImGui::GetFont(), ImGui::GetFontSize(), text, width), "\n"));
 }
 
 FullPage::FullPage(const Gui& gui, Size framebuffer) {

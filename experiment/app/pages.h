@@ -33,6 +33,10 @@ class Page {
   PageKind kind_;
 };
 
+/// A control's text in lines of at most this width, in the letters that are in use; ImGui breaks none.
+/// units: pixels
+std::string break_text(const std::string& text, float width);
+
 /// All of the window but a margin, for lines and what is drawn below them; keys are the caller's.
 class FullPage {
  public:

@@ -66,13 +66,38 @@ void draw_field(const char* label, char* text, std::size_t size, bool takes_focu
   ImGui::InputText(fmt::format("##{}", label).c_str(), text, size, flags);
 }
 
+// Options one beside the other, as many in a line as have room there.
+class Options {
+ public:
+  explicit Options(float between) : between_(between) {
+    ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
+  }
+  ~Options() { ImGui::PopStyleVar(); }
+  Options(const Options&) = delete;
+  Options& operator=(const Options&) = delete;
+
+  // True when it was pressed.
+  bool draw(const std::string& label, bool is_chosen) {
+    const float line = ImGui::GetContentRegionAvail().x;
+    const float circle = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
+    const std::string lines = break_text(label, line - circle);
+    const float width = circle + ImGui::CalcTextSize(lines.c_str()).x;
+    const bool has_room = room_ >= between_ + width;
+    if (has_room) ImGui::SameLine(0, between_);
+    room_ = (has_room ? room_ - between_ : line) - width;
+    return ImGui::RadioButton(lines.c_str(), is_chosen);
+  }
+
+ private:
+  float between_;  // units: pixels
+  float room_ = 0;
+};
+
 void draw_choice(int& experiment) {
   ImGui::TextUnformatted("Experiment");
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
-  ImGui::RadioButton("Artifacts (F1)", &experiment, 0);
-  ImGui::SameLine(0, 40);
-  ImGui::RadioButton("Material (F2)", &experiment, 1);
-  ImGui::PopStyleVar();
+  Options options(40);
+  if (options.draw("Artifacts (F1)", experiment == 0)) experiment = 0;
+  if (options.draw("Material (F2)", experiment == 1)) experiment = 1;
 }
 
 std::string describe_setup(const SetupView& view) {
@@ -92,13 +117,10 @@ std::string describe_setup(const SetupView& view) {
 void draw_monitors(const SetupView& view, SetupForm& form) {
   if (find_next_monitor(view.monitors, view.facts->monitor).empty()) return;
   ImGui::TextUnformatted("Everything is shown on (F5: on the next one)");
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
+  Options options(40);
   for (const std::string& name : view.monitors) {
-    if (ImGui::RadioButton(name.c_str(), name == view.facts->monitor)) form.wanted_monitor = name;
-    ImGui::SameLine(0, 40);
+    if (options.draw(name, name == view.facts->monitor)) form.wanted_monitor = name;
   }
-  ImGui::NewLine();
-  ImGui::PopStyleVar();
 }
 
 std::string describe_degrees(const ViewingSetup& setup) {
@@ -130,7 +152,10 @@ void draw_card_form(SetupForm& form) {
   ImGui::TextWrapped(
       "Hold a bank card to the bar and change the bar until it is as wide as the card's long side.");
   bool holds = form.card_px > 0;
-  if (ImGui::Checkbox("a card is held to the screen (F3)", &holds)) switch_card(form);
+  const float room =
+      ImGui::GetContentRegionAvail().x - ImGui::GetFrameHeight() - ImGui::GetStyle().ItemInnerSpacing.x;
+  if (ImGui::Checkbox(break_text("a card is held to the screen (F3)", room).c_str(), &holds))
+    switch_card(form);
   if (form.card_px == 0) return;
   const int most = std::max(kLeast + 1, static_cast<int>(ImGui::GetIO().DisplaySize.x - 2 * kCardMargin));
   ImGui::SetNextItemWidth(-1);
@@ -152,20 +177,13 @@ void draw_radio(const Texts& texts, const SessionProtocol& protocol, Intake& int
   const std::string name = format_question(asked.question);
   ImGui::TextWrapped("%s %s", texts.at(name).c_str(), asked.required ? "" : texts.at("optional").c_str());
   ImGui::PushID(name.c_str());
-  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(4, 3));
   const auto current = intake.answers.find(asked.question);
   const std::string chosen = current == intake.answers.end() ? "" : current->second;
-  float room = 0;
+  Options options(24);
   for (const std::string& choice : enumerate_choices(asked.question)) {
-    const std::string& label = texts.at(name + "." + choice);
-    const float width = ImGui::CalcTextSize(label.c_str()).x + 60;
-    if (room >= width) ImGui::SameLine(0, 24);
-    if (room < width) room = ImGui::GetContentRegionAvail().x;
-    room -= width;
-    if (ImGui::RadioButton(label.c_str(), chosen == choice))
+    if (options.draw(texts.at(name + "." + choice), chosen == choice))
       choose_answer(intake, protocol, asked.question, chosen == choice ? "" : choice);
   }
-  ImGui::PopStyleVar();
   ImGui::PopID();
   ImGui::Spacing();
 }

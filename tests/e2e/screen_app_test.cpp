@@ -376,5 +376,36 @@ TEST_F(ScreenAppTest, ATextScaleEnlargesTheQuestionAndMovesNoPicture) {
   EXPECT_LE(rows[3], kPaperPlan.question_bottom - kPaperPlan.question_top);
 }
 
+// Black pixels of columns in which no line ends that is broken where it should be.
+int count_cut_off(const LdrImage& screen, int from_x, int end_x) {
+  int count = 0;
+  for (int y = 0; y < screen.height * 8 / 10; ++y) {  // above the line that says there is more
+    for (int x = from_x; x < end_x; ++x) {
+      const auto* pixel =
+          screen.values.data() + 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(screen.width) +
+                                      static_cast<std::size_t>(x));
+      count += pixel[0] < 40 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+// The longest of the answers to this question fills more than a line.
+TEST_F(ScreenAppTest, AnswersInLargeLettersAreBrokenAndNotCutOff) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  save_text(folder.session(),
+            R"({"schema": "equilux-session", "schema_version": 1, "questions": {"acuity": "required"}})");
+  XDisplay display;
+  auto arguments = arguments_for(folder, "artifact");
+  arguments.insert(arguments.end(), {"--text-scale", "3"});
+  WatchedSession session(display, folder, kSmallPlan, arguments);
+  session.wait_for_page("large-questions");
+  ASSERT_FALSE(HasFatalFailure());
+  EXPECT_EQ(count_cut_off(display.take_screenshot(), 1236, 1256), 0);
+  for (const char* key : {"Down", "space", "Return"}) display.type_key(key);
+  session.wait_for_session(Experiment::kArtifact);
+  EXPECT_EQ(TrialLog(folder.responses()).load_sessions().back().fields.at("acuity"), "corrected");
+}
+
 }  // namespace
 }  // namespace equilux
