@@ -33,6 +33,15 @@ constexpr float kRowLabel = 60, kCountHeight = 20, kCountText = 16, kGap = 6;
 constexpr float kUsualScale = 0.8F;  // of a session's text
 constexpr Size kLeastWindow{960, 760};
 
+// The letter on the key that was pressed: GLFW names keys by their places on an American keyboard. Where no
+// Latin letters are written, by the place.
+int find_letter(const InputEvent& event) {
+  const char* name = glfwGetKeyName(event.code, event.scancode);
+  if (!name || static_cast<unsigned char>(name[0]) >= 0x80) return event.code;
+  const bool is_letter = name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0';
+  return is_letter ? GLFW_KEY_A + (name[0] - 'a') : GLFW_KEY_UNKNOWN;
+}
+
 // A place in the grid.
 struct Place {
   std::size_t object = 0, count = 0, level = 0;
@@ -59,7 +68,8 @@ class Browser {
       const auto events = window_.take_events();
       gui_.take(events);
       for (const InputEvent& event : events) {
-        if (event.kind == InputKind::kKeyPress || event.kind == InputKind::kKeyRepeat) press(event.code);
+        if (event.kind == InputKind::kKeyPress || event.kind == InputKind::kKeyRepeat)
+          press(find_letter(event));
       }
       watch_render();
     }
@@ -477,8 +487,10 @@ int run_browser(const BrowserParams& params) {
   load_folder_study(folder);
   const Display display(params.monitor);
   const Size screen = display.size();
-  AppWindow window(display, {std::max(kLeastWindow.width, screen.width * 9 / 10),
-                             std::max(kLeastWindow.height, screen.height * 9 / 10)});
+  const auto fit = [](int least, int available) {
+    return std::min(std::max(least, available * 9 / 10), available);
+  };
+  AppWindow window(display, {fit(kLeastWindow.width, screen.width), fit(kLeastWindow.height, screen.height)});
   Gui gui(window, kUsualScale * static_cast<float>(params.text_scale));
   Browser(params, window, gui).run();
   return kExitOk;

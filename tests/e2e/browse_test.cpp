@@ -118,9 +118,13 @@ std::size_t count_pixels(const LdrImage& screen, std::array<std::uint8_t, 3> col
 class BrowseAppTest : public testing::Test {
  protected:
   ChildProcess browse(const StudyFolder& folder, const std::vector<std::string>& more = {}) const {
+    return browse_on(display_, folder, more);
+  }
+  static ChildProcess browse_on(const XDisplay& display, const StudyFolder& folder,
+                                const std::vector<std::string>& more = {}) {
     std::vector<std::string> line{kBin + "/equilux-session", "browse", folder.root.string()};
     line.insert(line.end(), more.begin(), more.end());
-    return ChildProcess(line, {{"DISPLAY", display_.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}});
+    return ChildProcess(line, {{"DISPLAY", display.name()}, {"LIBGL_ALWAYS_SOFTWARE", "1"}});
   }
   bool wait_for_screen(const char* name, const std::function<bool(const LdrImage&)>& is_wanted) const {
     std::optional<LdrImage> screen;
@@ -223,6 +227,48 @@ TEST_F(BrowseAppTest, ShowsTheRegionsOfTheAnswersSoFar) {
   display_.type_key("g");
   ASSERT_TRUE(wait_for_window());
   display_.type_key("BackSpace");
+  EXPECT_EQ(app.wait(), 0) << app.read_output();
+}
+
+// The key with W on it lies where an American keyboard has Z.
+TEST_F(BrowseAppTest, LettersAreThoseOnTheKeysOfAFrenchKeyboard) {
+  const TemporaryFolder temporary;
+  const StudyFolder folder = make_fake_study(temporary.path());
+  const std::string before = load_text(folder.windows());
+  ChildProcess layout({"setxkbmap", "-display", display_.name(), "-layout", "fr"});
+  ASSERT_EQ(layout.wait(), 0) << layout.read_output();
+  ChildProcess app = browse(folder);
+  ASSERT_TRUE(wait_for_window()) << app.read_output();
+  display_.type_key("w");
+  EXPECT_TRUE(wait_until([&] { return load_text(folder.windows()) != before; }));
+  EXPECT_THAT(load_text(folder.windows()), testing::HasSubstr("by_eye"));
+  display_.type_key("BackSpace");
+  EXPECT_EQ(app.wait(), 0) << app.read_output();
+}
+
+// A screen smaller than the window wants to be: the lines above the grid begin on it.
+TEST_F(BrowseAppTest, ItsWindowHasRoomOnASmallScreen) {
+  const TemporaryFolder temporary;
+  const StudyFolder folder = make_fake_study(temporary.path());
+  XDisplay small(800, 600);
+  ChildProcess app = browse_on(small, folder);
+  const auto has_margin = [&] {  // of 24 pixels around what is written
+    const LdrImage screen = small.take_screenshot();
+    const auto is_grey = [&](int x, int y) {
+      const auto* pixel =
+          screen.values.data() + 3 * (static_cast<std::size_t>(y) * 800 + static_cast<std::size_t>(x));
+      return pixel[0] == 128 && pixel[1] == 128 && pixel[2] == 128;
+    };
+    for (int y = 0; y < 600; ++y) {
+      if (!is_grey(2, y) || !is_grey(797, y)) return false;
+    }
+    for (int x = 0; x < 800; ++x) {
+      if (!is_grey(x, 2)) return false;
+    }
+    return count_pixels(screen, {255, 255, 255}) > 500;  // the frame around the chosen picture
+  };
+  EXPECT_TRUE(wait_until(has_margin)) << app.read_output();
+  small.type_key("BackSpace");
   EXPECT_EQ(app.wait(), 0) << app.read_output();
 }
 
