@@ -33,6 +33,7 @@ struct RunOptions {
   std::string monitor;
   bool windowed = false;
   double diagonal_inches = 0;
+  double distance_cm = 0;
   bool asks_setup = false;
   double text_scale = 1;
   std::string station;
@@ -76,6 +77,7 @@ int run(const RunOptions& options) {
   params.monitor = options.monitor;
   params.windowed = options.windowed;
   params.diagonal_m = options.diagonal_inches * 0.0254;
+  params.viewing_distance_m = options.distance_cm / 100;
   params.asks_setup = options.asks_setup;
   params.text_scale = options.text_scale;
   if (!options.station.empty()) params.lane = parse_lane(options.station, "--station");
@@ -132,6 +134,11 @@ void add_run(CLI::App& app, RunOptions& options) {
   command->add_option("--diagonal", options.diagonal_inches, "Of the visible screen, measured")
       ->type_name("INCHES")
       ->check(CLI::Range(1.0, 1000.0));
+  command
+      ->add_option("--distance", options.distance_cm,
+                   "From the eyes to the screen, measured; the study's if not given")
+      ->type_name("CM")
+      ->check(CLI::Range(1.0, 10000.0));
   command->add_option("--station", options.station, "The K-th of N stations whose logs will be merged")
       ->type_name("K/N");
   command->add_flag("--setup", options.asks_setup, "Show the set-up screen: size of the screen, distance");

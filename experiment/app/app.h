@@ -19,6 +19,7 @@ struct AppParams {
   std::string monitor;                        ///< name; empty: the primary one
   bool windowed = false;                      ///< a window of the layout's size in place of the full screen
   double diagonal_m = 0;                      ///< of the visible screen; 0: as the system reports it
+  double viewing_distance_m = 0;              ///< from the eyes to the screen; 0: the study's
   bool asks_setup = false;                    ///< the set-up screen is shown also where nothing else is asked
   std::optional<Lane> lane = {};              ///< of new sessions, where several stations run a study
   double text_scale = 1;                      ///< of all text

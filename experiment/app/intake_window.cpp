@@ -134,7 +134,7 @@ bool move_if_wanted(AppWindow& window, Workplace& work, Display& display, SetupF
 }  // namespace
 
 bool ask_setup(AppWindow& window, Gui& gui, Workplace& work, Display& display) {
-  SetupForm form = make_setup_form(work.setup_input.diagonal_m);
+  SetupForm form = make_setup_form(work.setup_input.diagonal_m, work.setup_input.viewing_distance_m);
   const Size picture{work.manifest.width, work.manifest.height};
   const auto draw = [&] {
     set_up(work, read_setup_form(form));

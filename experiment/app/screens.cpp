@@ -233,9 +233,10 @@ bool draw_start(Gui& gui, Size framebuffer, StartForm& form) {
   return is_pressed;
 }
 
-SetupForm make_setup_form(double diagonal_m) {
+SetupForm make_setup_form(double diagonal_m, double viewing_distance_m) {
   SetupForm form;
   if (diagonal_m > 0) copy_text(form.diagonal_inches, fmt::format("{:g}", diagonal_m / kMetresPerInch));
+  if (viewing_distance_m > 0) copy_text(form.distance_cm, fmt::format("{:g}", 100 * viewing_distance_m));
   return form;
 }
 

@@ -50,8 +50,8 @@ struct SetupForm {
   std::string error = {};           ///< why it did not
 };
 
-/// The distance is left to be typed.
-SetupForm make_setup_form(double diagonal_m);
+/// What is 0 is left to be typed.
+SetupForm make_setup_form(double diagonal_m, double viewing_distance_m = 0);
 
 /// What is wrong with what was typed, a sentence for each field; empty where it is right, or nothing.
 struct SetupErrors {

@@ -95,7 +95,7 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   work.goes_on = unfinished.has_value();
   work.goes_on_with = goes_on_with;
   if (work.log) work.clock_lag = find_clock_lag(*work.log);
-  set_up(work, {params.diagonal_m, 0, 0});
+  set_up(work, {params.diagonal_m, 0, params.viewing_distance_m});
   return work;
 }
 

@@ -77,17 +77,19 @@ TEST_F(AppTest, TheScreenIsRecordedWithTheSession) {
   const StudyFolder folder = make_study(kSmallPlan);
   XDisplay display;
   auto arguments = arguments_for(folder, "artifact");
-  arguments.insert(arguments.end(), {"--diagonal", "19"});
+  arguments.insert(arguments.end(), {"--diagonal", "19", "--distance", "61.5"});
   WatchedSession session(display, folder, kSmallPlan, arguments);
   session.wait_for_session(Experiment::kArtifact);
-  const ScreenRecord screen = TrialLog(folder.responses()).load_sessions().back().screen;
+  const SessionRow row = TrialLog(folder.responses()).load_sessions().back();
+  const ScreenRecord& screen = row.screen;
   EXPECT_EQ(screen.monitor, "screen");
   EXPECT_EQ(screen.framebuffer_width, 1280);
   EXPECT_EQ(screen.framebuffer_height, 1024);
-  EXPECT_DOUBLE_EQ(screen.viewing_distance_m.value_or(0), 0.4572);
+  EXPECT_DOUBLE_EQ(screen.viewing_distance_m.value_or(0), 0.615);
+  EXPECT_EQ(row.fields.at("viewing_distance_source"), "typed");
   // 19 in of 1639.2 pixels: 0.29441 mm a pixel; 280 pixels are 82.43 mm, 210 are 61.83 mm.
-  EXPECT_NEAR(screen.degrees_wide.value_or(0), 10.302, 0.001);
-  EXPECT_NEAR(screen.degrees_high.value_or(0), 7.736, 0.001);
+  EXPECT_NEAR(screen.degrees_wide.value_or(0), 7.669, 0.001);
+  EXPECT_NEAR(screen.degrees_high.value_or(0), 5.755, 0.001);
 }
 
 TEST_F(AppTest, TheStartScreenAsksForWhatIsMissingAndSaysWhatIsWrong) {

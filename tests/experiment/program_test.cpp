@@ -95,7 +95,8 @@ TEST_F(SessionProgram, LeavesWithTwoOnAWrongCommandLine) {
         Words{"export", root_, "--out", "a", "--format", "xml"},
         Words{"export", root_, "--out", "a", "--kind", "martian"}, Words{"withdraw", root_},
         Words{"withdraw", root_, "P01", "P02"}, Words{"merge", root_}, Words{"merge"},
-        Words{"run", root_, "--experiment", "taste"}, Words{"run", root_, "--diagonal", "-3"}}) {
+        Words{"run", root_, "--experiment", "taste"}, Words{"run", root_, "--diagonal", "-3"},
+        Words{"run", root_, "--distance", "0"}}) {
     const ChildResult result = run_session_program(words);
     EXPECT_EQ(result.exit_code, 2) << fmt::format("{}", fmt::join(words, " "));
     EXPECT_NE(result.err, "");

@@ -73,6 +73,13 @@ TEST(SetupFormTest, WhatWasMeasuredOnAnotherMonitorDoesNotCount) {
   EXPECT_DOUBLE_EQ(read_setup_form(form).viewing_distance_m, 0.61) << "from the eyes to the screen";
 }
 
+TEST(SetupFormTest, WhatTheCommandLineGaveStandsInTheForm) {
+  const SetupForm form = make_setup_form(24 * .0254, .615);
+  EXPECT_STREQ(form.diagonal_inches.data(), "24");
+  EXPECT_STREQ(form.distance_cm.data(), "61.5");
+  EXPECT_DOUBLE_EQ(read_setup_form(form).viewing_distance_m, .615);
+}
+
 // Where the bar is first says nothing of this screen.
 TEST(SetupFormTest, ACardCountsOnceTheBarWasMatchedToIt) {
   SetupForm form = make_setup_form(0);
