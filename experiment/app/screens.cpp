@@ -412,11 +412,15 @@ std::string read_reason(const PauseForm& form) {
   return reason.empty() ? "ended by the experimenter" : reason;
 }
 
+std::string describe_pause(const PauseView& view) {
+  return fmt::format(
+      "{} of {} answers of this part are recorded. The {} that was on the screen is shown again.",
+      view.progress.answered, view.progress.count, view.shows_pair_again ? "pair" : "page");
+}
+
 PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form) {
   const Page page(gui, framebuffer, "Paused, for the experimenter", PageKind::kForm, kReadOn);
-  page.say(fmt::format(
-      "{} of {} answers of this part are recorded. The pair that was on the screen is shown again.",
-      view.progress.answered, view.progress.count));
+  page.say(describe_pause(view));
   if (view.lost_monitor) {
     page.warn(describe_lost_monitor(*view.lost_monitor, view.way_on));
   } else if (framebuffer != view.wanted) {

@@ -153,10 +153,14 @@ std::string describe_lost_monitor(const std::string& monitor, const std::string&
 
 struct PauseView {
   TrialProgress progress;
+  bool shows_pair_again = true;  ///< it was a pair that was on the screen, and no page
   Size wanted;         ///< the framebuffer for which the pictures were laid out; in another none can go on
   std::string way_on;  ///< in words, if the window is closed
   std::optional<std::string> lost_monitor = {};  ///< the session's, where it is gone: then none can go on
 };
+
+/// How far the session is, and what comes when it goes on.
+std::string describe_pause(const PauseView& view);
 
 PauseChoice draw_pause(Gui& gui, Size framebuffer, const PauseView& view, PauseForm& form);
 

@@ -397,7 +397,8 @@ bool SessionWindow::lay_out_page() {
 void SessionWindow::draw_pause_page() {
   window_->clear();
   gui_->begin_frame();
-  PauseView view{find_progress(session()), work_->layout.framebuffer, describe_way_on(work_->inputs)};
+  PauseView view{find_progress(session()), session().paused == Screen::kTrial, work_->layout.framebuffer,
+                 describe_way_on(work_->inputs)};
   if (window_->has_lost_monitor()) view.lost_monitor = window_->monitor_name();
   const PauseChoice choice = draw_pause(*gui_, window_->framebuffer(), view, pause_);
   gui_->end_frame();

@@ -149,5 +149,13 @@ TEST(ConsentFormTest, NobodyAgreesToATextWhoseEndWasNotOnTheScreen) {
   EXPECT_EQ(find_choice(form, Key::kEnter), false);
 }
 
+TEST(PausePageTest, SaysWhatIsShownAgain) {
+  PauseView view{{3, 36}, true, {}, ""};
+  EXPECT_EQ(describe_pause(view),
+            "3 of 36 answers of this part are recorded. The pair that was on the screen is shown again.");
+  view.shows_pair_again = false;
+  EXPECT_THAT(describe_pause(view), testing::HasSubstr("The page that was on the screen"));
+}
+
 }  // namespace
 }  // namespace equilux
