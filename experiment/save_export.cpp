@@ -128,6 +128,7 @@ fs::path find_export_folder(const fs::path& folder) {
 fs::path find_export_part(const fs::path& folder) { return find_export_folder(folder).string() + ".part"; }
 
 void check_can_export(const fs::path& folder, bool force) {
+  if (folder.empty()) throw InputError("--out", "", "a folder to make", "an empty name");
   const fs::path name = find_export_folder(folder);
   check_part(name);
   if (!fs::exists(name)) return;

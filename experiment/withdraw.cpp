@@ -35,6 +35,15 @@ std::vector<std::string> find_namesakes(const Database& database, const std::str
   return {codes.begin(), codes.end()};
 }
 
+// What the log has in place of a code that it does not have.
+std::string format_unknown(const Database& database, const std::string& code) {
+  for (const SessionRow& row : load_sessions(database)) {
+    if (is_same_but_for_case(row.participant, code))
+      return fmt::format("{}, where {} differs in nothing but the case of letters", code, row.participant);
+  }
+  return code;
+}
+
 std::string format_namesakes(const std::string& code, const std::vector<std::string>& namesakes) {
   return fmt::format("{} of another station is {} here", code, fmt::join(namesakes, ", "));
 }
@@ -169,7 +178,8 @@ Withdrawal plan_withdrawal(const fs::path& log, const std::string& code) {
   withdrawal.namesakes = find_namesakes(database, code);
   if (!withdrawal.withdrawn_utc && withdrawal.sessions.empty() && withdrawal.copies.empty())
     throw InputError(log.string(), "participant/code", "the code of a participant of this log",
-                     withdrawal.namesakes.empty() ? code : format_namesakes(code, withdrawal.namesakes));
+                     withdrawal.namesakes.empty() ? format_unknown(database, code)
+                                                  : format_namesakes(code, withdrawal.namesakes));
   return withdrawal;
 }
 

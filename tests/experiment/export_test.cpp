@@ -302,6 +302,11 @@ TEST_F(Export, TakesTheNameOfNothingElse) {
       << "nothing was exported";
 }
 
+TEST_F(Export, OfNoNameIsRefusedBeforeItIsRecorded) {
+  EXPECT_THAT(message_of<InputError>([] { check_can_export("", true); }),
+              HasSubstr("--out: expected a folder to make, got an empty name"));
+}
+
 TEST_F(Export, ReplacesAnEarlierExportOnlyWithForceAndWithNothingOfSomebodyElseIn) {
   ASSERT_EQ(run({}).exit_code, 0);
   const ExportFiles first = load_files(out_);

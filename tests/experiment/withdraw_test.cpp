@@ -263,6 +263,15 @@ TEST_F(Withdraw, OfACodeThatNobodyHasIsAnError) {
   EXPECT_THAT(message_of<InputError>([&] { plan_withdrawal(path_, "P9"); }), HasSubstr("got P9"));
 }
 
+// Written down by hand, and asked for weeks later.
+TEST_F(Withdraw, OfACodeInOtherLettersTellsWhichOneThereIs) {
+  make_log(2);
+  std::string small = kCode;
+  std::transform(small.begin(), small.end(), small.begin(), [](unsigned char c) { return std::tolower(c); });
+  EXPECT_THAT(message_of<InputError>([&] { plan_withdrawal(path_, small); }),
+              HasSubstr(fmt::format("got {}, where {} differs", small, kCode)));
+}
+
 TEST_F(Withdraw, OfALogThatAnotherProgramHasOpenErasesNothing) {
   make_log(2);
   {
