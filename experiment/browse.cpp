@@ -8,6 +8,7 @@
 
 namespace equilux {
 namespace {
+namespace fs = std::filesystem;
 
 int find_place(const std::vector<int>& levels, int level) {
   return static_cast<int>(std::find(levels.begin(), levels.end(), level) - levels.begin());
@@ -41,10 +42,15 @@ void check_not_begun(const StudyFolder& folder) {
 
 }  // namespace
 
-Holding find_holding(const Study& study, const std::optional<Manifest>& manifest) {
+Holding find_holding(const Study& study, const std::optional<Manifest>& manifest, const fs::path& root) {
   Holding holding;
+  const auto is_there = [&](const std::string& key) {
+    if (!manifest) return false;
+    const auto picture = manifest->pictures.find(key);
+    return picture != manifest->pictures.end() && is_file(root / picture->second.file);
+  };
   const auto look = [&](const std::string& key) {
-    if (manifest && manifest->pictures.contains(key)) {
+    if (is_there(key)) {
       ++holding.there;
     } else {
       holding.missing.push_back(key);

@@ -2,6 +2,7 @@
 // windows that the experimenter moves by hand. Values alone, no window.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,8 +22,9 @@ struct Holding {
   std::vector<std::string> missing;  ///< keys
 };
 
-/// By the manifest; without one all are missing.
-Holding find_holding(const Study& study, const std::optional<Manifest>& manifest);
+/// In the manifest, with a file in the study folder `root`; without a manifest all are missing.
+Holding find_holding(const Study& study, const std::optional<Manifest>& manifest,
+                     const std::filesystem::path& root);
 
 /// Answers to a cell so far.
 struct CellCount {

@@ -19,7 +19,7 @@ void read_coverage(const StudyFolder& folder, SubjectKind kind, FolderView& view
 FolderView read_folder_view(const StudyFolder& folder, SubjectKind kind) {
   FolderView view{load_folder_study(folder), {}, {}, {}, {}, {}};
   if (path_exists(folder.manifest())) view.manifest = load_manifest(folder.manifest());
-  view.holding = find_holding(view.study, view.manifest);
+  view.holding = find_holding(view.study, view.manifest, folder.root);
   if (path_exists(folder.windows())) view.windows = load_windows(folder.windows(), view.study);
   read_coverage(folder, kind, view);
   return view;

@@ -65,7 +65,7 @@ void run(const std::vector<std::string>& arguments) {
 
 bool holds_all(const StudyFolder& folder) {
   const std::optional<Manifest> manifest = load_manifest(folder.manifest());
-  return find_holding(load_folder_study(folder), manifest).missing.empty();
+  return find_holding(load_folder_study(folder), manifest, folder.root).missing.empty();
 }
 
 LdrImage load(const StudyFolder& folder, const std::string& key) {

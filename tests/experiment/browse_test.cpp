@@ -13,6 +13,7 @@
 namespace equilux {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -26,11 +27,14 @@ class BrowseTest : public ::testing::Test {
 
 TEST_F(BrowseTest, TellsWhatASetHoldsAndLacks) {
   Manifest manifest = load_manifest(folder_.manifest());
-  EXPECT_EQ(find_holding(study_, manifest).there, 2 * 8 * 11 + 2 * 4);
-  EXPECT_THAT(find_holding(study_, manifest).missing, IsEmpty());
+  const auto look = [&](const std::optional<Manifest>& in) { return find_holding(study_, in, folder_.root); };
+  EXPECT_EQ(look(manifest).there, 2 * 8 * 11 + 2 * 4);
+  EXPECT_THAT(look(manifest).missing, IsEmpty());
+  std::filesystem::remove(folder_.root / manifest.pictures.at("G0-MS-ind-1k-C2-v1").file);
+  EXPECT_THAT(look(manifest).missing, ElementsAre("G0-MS-ind-1k-C2-v1"));
   manifest.pictures.erase("G0-MS-ind-1k-C3-v1");
-  EXPECT_EQ(find_holding(study_, manifest).missing, std::vector<std::string>{"G0-MS-ind-1k-C3-v1"});
-  EXPECT_EQ(find_holding(study_, std::nullopt).missing.size(), 184u);
+  EXPECT_THAT(look(manifest).missing, ElementsAre("G0-MS-ind-1k-C2-v1", "G0-MS-ind-1k-C3-v1"));
+  EXPECT_EQ(look(std::nullopt).missing.size(), 184u);
 }
 
 TEST_F(BrowseTest, CountsAnswersToEachCell) {
