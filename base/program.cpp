@@ -26,7 +26,7 @@ void leave(int signal) {
 
 void tell_of_interruption(const std::string& name) {
   std::snprintf(interrupted_text, sizeof interrupted_text,
-                "\n%s: interrupted; files that were finished are kept\n", name.c_str());
+                "\n%s: interrupted; what was finished until then is kept\n", name.c_str());
   for (const int signal : {SIGINT, SIGTERM}) {
     // Whoever started it in the background may have had it ignored.
     if (std::signal(signal, leave) == SIG_IGN) std::signal(signal, SIG_IGN);

@@ -32,7 +32,7 @@ TEST(RunProgramDeathTest, SaysThatItWasInterrupted) {
                               std::raise(signal);
                               return 0;
                             }),
-                testing::KilledBySignal(signal), "p: interrupted; files that were finished are kept");
+                testing::KilledBySignal(signal), "p: interrupted; what was finished until then is kept");
   }
 }
 
