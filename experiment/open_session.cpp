@@ -3,10 +3,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <fcntl.h>
 #include <iterator>
 #include <random>
 #include <type_traits>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -312,6 +317,21 @@ void check_still_shown(const SessionInputs& inputs) {
   if (digest_pictures(manifest, enumerate_session_keys(inputs), source) != inputs.digests.manifest)
     throw InputError(source, "/pictures", "the pictures that the session was prepared with",
                      "others, made since; begin again");
+}
+
+void check_can_record(const StudyFolder& folder, std::uintmax_t least_free) {
+  const std::string log = folder.responses().string();
+  for (const std::string& path : {folder.root.string(), log, log + ".lock"}) {
+    if (::faccessat(AT_FDCWD, path.c_str(), W_OK, AT_EACCESS) == 0 || errno == ENOENT) continue;
+    throw StoreError(fmt::format("{}: cannot be written: {}; a session's answers are kept there", path,
+                                 std::strerror(errno)));
+  }
+  std::error_code not_told;
+  const fs::space_info space = fs::space(folder.root, not_told);
+  if (not_told || space.available >= least_free) return;
+  throw StoreError(
+      fmt::format("{}: of its disk {:.1f} MiB are free, and a session wants {:.0f}; make room first",
+                  folder.root.string(), std::ldexp(space.available, -20), std::ldexp(least_free, -20)));
 }
 
 void check_unchanged(const std::filesystem::path& file, const std::string& before, const std::string& now) {

@@ -87,6 +87,13 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
 /// where another window runs the participant's session
 void check_not_running(const SessionInputs& inputs, const TrialLog& log, const SessionRequest& request);
 
+/// What a session may write before a disk is too full for one. units: bytes
+inline constexpr std::uintmax_t kLeastFree = std::uintmax_t{16} << 20;
+
+/// Before anybody is asked anything. errors: StoreError where folder or log cannot be written, or fewer bytes
+/// are free than `least_free`
+void check_can_record(const StudyFolder& folder, std::uintmax_t least_free = kLeastFree);
+
 /// Checks study, manifest, windows or selection of the folder, then goes on with the participant's unfinished
 /// session of this experiment and kind, or begins one at the lowest free index. errors: InputError if a
 /// picture is missing, while pictures are replaced (change_mark.h) or if they, study, windows, selection or

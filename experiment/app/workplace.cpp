@@ -75,6 +75,7 @@ Workplace prepare_workplace(const AppParams& params, const Display& display, App
   check_pictures(folder, manifest, enumerate_session_keys(inputs));
   if (!log && request.kind == SubjectKind::kPerson) check_code(request.participant, folder.root.string());
   if (log) check_not_running(inputs, *log, request);
+  check_can_record(folder);
   request.accepts_clock = true;  // is told on the set-up screen
   const auto unfinished = log ? find_unfinished_session(inputs, *log, request) : std::nullopt;
   request.accepts_clock = false;

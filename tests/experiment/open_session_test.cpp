@@ -15,6 +15,7 @@
 #include "tests/experiment/fake_trials.h"
 #include "tests/experiment/raw_database.h"
 #include "tests/experiment/schedule_checks.h"
+#include "tests/experiment/unprivileged.h"
 
 namespace equilux {
 namespace {
@@ -323,6 +324,17 @@ TEST_F(OpenSessionTest, RefusesASelectionThatArtifactAnswersCameAfter) {
   finish(open("P2"));
   EXPECT_THAT([&] { open_session(inputs, log_, request); },
               ThrowsMessage<InputError>(HasSubstr("of the artifact answers in the log")));
+}
+
+// Else somebody reads, agrees and answers questions for a session that cannot begin.
+TEST_F(OpenSessionTest, IsKnownBeforehandToHaveNowhereToRecord) {
+  EXPECT_NO_THROW(check_can_record(folder_));
+  EXPECT_THAT([&] { check_can_record(folder_, std::uintmax_t{1} << 62); },
+              ThrowsMessage<StoreError>(AllOf(HasSubstr(folder_.root.string()), HasSubstr("MiB are free"))));
+  const ReadOnlyFolder read_only(folder_.root);
+  EXPECT_THAT(
+      [&] { check_can_record(folder_); },
+      ThrowsMessage<StoreError>(HasSubstr(folder_.root.string() + ": cannot be written: Permission")));
 }
 
 TEST_F(OpenSessionTest, RefusesAPictureOfAnotherSize) {
