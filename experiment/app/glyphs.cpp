@@ -67,6 +67,7 @@ std::vector<ShownText> list_shown_texts(const StudyFolder& folder, const Session
   std::vector<ShownText> shown;
   for (const auto& [name, text] : texts.all()) shown.push_back({file, "/texts/" + name, text});
   if (!protocol.consent) return shown;
+  shown.push_back({folder.session().string(), "/consent/version", protocol.consent->version});
   for (std::size_t i = 0; i < protocol.consent->text.size(); ++i)
     shown.push_back(
         {folder.session().string(), fmt::format("/consent/text/{}", i), protocol.consent->text[i]});

@@ -19,7 +19,7 @@ struct ShownText {
   std::string text;
 };
 
-/// The table of texts and the consent text.
+/// The table of texts, the version of the consent and its text.
 std::vector<ShownText> list_shown_texts(const StudyFolder& folder, const SessionProtocol& protocol,
                                         const Texts& texts);
 

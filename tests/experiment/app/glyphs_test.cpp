@@ -63,13 +63,15 @@ TEST(Glyphs, AreAskedForTheTableAndTheConsent) {
   const TempFolder folder;
   SessionProtocol protocol;
   protocol.language = "en";
-  protocol.consent = Consent{"1", {"first", "second"}};
+  protocol.consent = Consent{"v7", {"first", "second"}};
   const auto shown = list_shown_texts({folder.path()}, protocol, load_texts("en", folder.path()));
   EXPECT_EQ(shown.back().place, "/consent/text/1");
   EXPECT_EQ(shown.back().text, "second");
   EXPECT_EQ(shown.back().file, StudyFolder{folder.path()}.session().string());
   EXPECT_EQ(shown.front().file, "the English texts");
-  EXPECT_EQ(shown.size(), load_texts("en", folder.path()).all().size() + 2);
+  EXPECT_EQ(shown[shown.size() - 3].place, "/consent/version");
+  EXPECT_EQ(shown[shown.size() - 3].text, "v7");
+  EXPECT_EQ(shown.size(), load_texts("en", folder.path()).all().size() + 3);
 }
 
 }  // namespace
