@@ -91,6 +91,7 @@ SessionWindow::SessionWindow(AppWindow& window, Gui& gui, const Workplace& work,
     : window_(&window), gui_(&gui), work_(&work), seat_(&seat), pilot_(pilot), input_(work.layout) {}
 
 void SessionWindow::run() {
+  window_->wait(0);  // the focus comes and goes while a window opens, which disturbs nobody
   window_->take_changes();
   while (!is_left_) {
     const bool is_new = std::exchange(is_new_page_, false);

@@ -376,6 +376,21 @@ TEST_F(ScreenAppTest, ATextScaleEnlargesTheQuestionAndMovesNoPicture) {
   EXPECT_LE(rows[3], kPaperPlan.question_bottom - kPaperPlan.question_top);
 }
 
+// Where nothing is asked the session begins with the window, whose opening is no disturbance.
+TEST_F(ScreenAppTest, TheFocusThatComesWithTheWindowIsNotNoted) {
+  const StudyFolder folder = make_study(kSmallPlan);
+  XDisplay display;
+  WatchedSession session(display, folder, kSmallPlan, arguments_for(folder, "artifact"));
+  const std::int64_t id = session.wait_for_session(Experiment::kArtifact);
+  session.wait_for_page("");
+  ASSERT_FALSE(HasFatalFailure());
+  display.type_key("space");
+  session.wait_for_trial(session.load_trials(id)[0]);
+  ASSERT_FALSE(HasFatalFailure());
+  for (const EventRow& event : TrialLog::load_snapshot(folder.responses()).load_events(id))
+    EXPECT_THAT(event.kind, testing::AnyOf("showing", "slow_frame"));
+}
+
 // Black pixels of columns in which no line ends that is broken where it should be.
 int count_cut_off(const LdrImage& screen, int from_x, int end_x) {
   int count = 0;
