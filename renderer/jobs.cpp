@@ -207,10 +207,12 @@ std::string format_job_folder(const JobShare& job) { return fmt::format("{}-of-{
 std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& scene, const Wanted& wanted,
                                              int count) {
   std::map<WorldKey, WorldCosts> costs;
+  const std::vector<Family> references = pick_references(study);
   const auto add = [&](const Object& object) {
     const WorldKey key = world_of(object);
     if (!costs.contains(key))
-      costs[key] = estimate_costs(study, scene, make_world(scene, key.geometry, key.illumination));
+      costs[key] =
+          estimate_costs(study, scene, make_world(scene, key.geometry, key.illumination), references);
   };
   for (const Family& family : wanted.families) add(family.object);
   for (const Condition& condition : wanted.conditions) add(condition.cell.column.object);

@@ -453,10 +453,11 @@ double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& m
   std::map<WorldKey, PathsByCount> paths;  // before the first reference: a world without VPLs is an error
   {
     const Stopwatch watch(seconds["worlds"]);
+    const std::vector<Family> references = pick_references(study);
     for (const auto& [key, group] : groups) {
       const auto& world =
           worlds.emplace(key, make_world(scene, key.geometry, key.illumination)).first->second;
-      costs[key] = estimate_costs(study, scene, world);
+      costs[key] = estimate_costs(study, scene, world, references);
       paths[key] = find_paths(study, world, group);
     }
   }

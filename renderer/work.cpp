@@ -45,25 +45,48 @@ double add_work(const WorkItem& item, std::set<std::string>& paid) {
   return work;
 }
 
-// As many items as fit, again and again.
-std::vector<std::vector<WorkItem>> fill_runs(const std::vector<WorkItem>& items, double most) {
-  std::vector<std::vector<WorkItem>> runs;
-  std::set<std::string> paid;
-  double work = 0;
+// Items with numbers in place of the names of what they share.
+struct PricedItem {
+  double own = 0;
+  std::vector<std::pair<std::size_t, double>> shared;
+};
+
+struct PricedWork {
+  std::vector<PricedItem> items;
+  std::size_t products = 0;
+};
+
+PricedWork price_work(const std::vector<WorkItem>& items) {
+  PricedWork work;
+  std::map<std::string, std::size_t> numbers;
   for (const WorkItem& item : items) {
-    std::set<std::string> then = paid;
-    const double more = add_work(item, then);
-    if (runs.empty() || work + more > most) {
-      runs.emplace_back();
-      paid.clear();
-      work = add_work(item, paid);
-    } else {
-      paid = std::move(then);
-      work += more;
-    }
-    runs.back().push_back(item);
+    PricedItem priced{item.own, {}};
+    for (const auto& [key, cost] : item.shared)
+      priced.shared.emplace_back(numbers.try_emplace(key, numbers.size()).first->second, cost);
+    work.items.push_back(std::move(priced));
   }
-  return runs;
+  work.products = numbers.size();
+  return work;
+}
+
+// Where runs begin: as many items as fit, again and again.
+std::vector<std::size_t> fill_runs(const PricedWork& all, double most) {
+  std::vector<std::size_t> begins;
+  std::vector<std::size_t> payers(all.products, 0);  // the last run that paid, counted from 1
+  double work = 0;
+  for (std::size_t i = 0; i < all.items.size(); ++i) {
+    const PricedItem& item = all.items[i];
+    double more = item.own, alone = item.own;
+    for (const auto& [product, cost] : item.shared) {
+      more += payers[product] == begins.size() ? 0 : cost;
+      alone += cost;
+    }
+    const bool begins_run = begins.empty() || work + more > most;
+    if (begins_run) begins.push_back(i);
+    work = begins_run ? alone : work + more;
+    for (const auto& [product, cost] : item.shared) payers[product] = begins.size();
+  }
+  return begins;
 }
 
 }  // namespace
@@ -75,7 +98,17 @@ double cost_of_measuring(std::int64_t vpls) { return 1.3e6 + 1.15 * static_cast<
 
 WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }
 
-WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world) {
+std::vector<Family> pick_references(const Study& study) {
+  std::vector<Family> picked;
+  std::set<std::string> materials;
+  for (const Family& family : enumerate_references(study)) {
+    if (materials.insert(family.object.material).second) picked.push_back(family);
+  }
+  return picked;
+}
+
+WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world,
+                          const std::vector<Family>& references) {
   const Primary small = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
   double object = 0;
   for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
@@ -83,8 +116,7 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
   WorldCosts costs;
   costs.points = pixels * object * study.subpixel_positions;
-  for (const Family& family : enumerate_references(study)) {
-    if (costs.object.contains(family.object.material)) continue;
+  for (const Family& family : references) {
     const ReferenceParams params = make_reference_params(study, scene, family);
     costs.object[family.object.material] = estimate_object_paths(params, small, pixels);
     if (costs.room == 0) costs.room = pixels * estimate_background_paths(params, small);
@@ -139,14 +171,19 @@ double sum_work(const std::vector<WorkItem>& items) {
 
 std::vector<std::vector<WorkItem>> split_work(const std::vector<WorkItem>& items, int count) {
   EQ_CHECK(count >= 1, count);
+  const PricedWork work = price_work(items);
   double low = 0, high = sum_work(items);
   for (int step = 0; step < kBisections; ++step) {
     const double middle = (low + high) / 2;
-    (fill_runs(items, middle).size() <= static_cast<std::size_t>(count) ? high : low) = middle;
+    (fill_runs(work, middle).size() <= static_cast<std::size_t>(count) ? high : low) = middle;
   }
-  std::vector<std::vector<WorkItem>> runs = fill_runs(items, high);
-  EQ_CHECK(runs.size() <= static_cast<std::size_t>(count), runs.size(), count);
-  runs.resize(static_cast<std::size_t>(count));
+  std::vector<std::size_t> begins = fill_runs(work, high);
+  EQ_CHECK(begins.size() <= static_cast<std::size_t>(count), begins.size(), count);
+  begins.resize(static_cast<std::size_t>(count) + 1, items.size());
+  std::vector<std::vector<WorkItem>> runs;
+  for (std::size_t run = 0; run + 1 < begins.size(); ++run)
+    runs.emplace_back(items.begin() + static_cast<std::ptrdiff_t>(begins[run]),
+                      items.begin() + static_cast<std::ptrdiff_t>(begins[run + 1]));
   return runs;
 }
 

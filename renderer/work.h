@@ -38,7 +38,11 @@ struct WorldCosts {
   double room = 0;                       ///< the backgrounds of a view
 };
 
-WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world);
+/// A reference of each material, to estimate costs by.
+std::vector<Family> pick_references(const Study& study);
+
+WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world,
+                          const std::vector<Family>& references);
 
 /// Of this machine, now: a second of path tracing in the study's first world. units: paths / s
 double measure_speed(const Study& study, const Scene& scene);

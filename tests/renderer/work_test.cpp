@@ -81,6 +81,83 @@ TEST(Work, HasAsItsLongestShareTheShortestThatThereIs) {
   }
 }
 
+// As split_work, but that each item is tried on a copy of what is paid.
+std::vector<std::vector<WorkItem>> split_slowly(const std::vector<WorkItem>& items, std::size_t count) {
+  const auto add = [](const WorkItem& item, std::set<std::string>& paid) {
+    double work = item.own;
+    for (const auto& [key, cost] : item.shared) work += paid.insert(key).second ? cost : 0;
+    return work;
+  };
+  const auto fill = [&](double most) {
+    std::vector<std::vector<WorkItem>> runs;
+    std::set<std::string> paid;
+    double work = 0;
+    for (const WorkItem& item : items) {
+      std::set<std::string> then = paid;
+      const double more = add(item, then);
+      const bool begins = runs.empty() || work + more > most;
+      if (begins) runs.emplace_back();
+      if (begins) paid.clear();
+      work = begins ? add(item, paid) : work + more;
+      if (!begins) paid = std::move(then);
+      runs.back().push_back(item);
+    }
+    return runs;
+  };
+  double low = 0, high = sum_work(items);
+  for (int step = 0; step < 50; ++step) {
+    const double middle = (low + high) / 2;
+    (fill(middle).size() <= count ? high : low) = middle;
+  }
+  auto runs = fill(high);
+  runs.resize(count);
+  return runs;
+}
+
+std::vector<std::vector<std::string>> list_families(const std::vector<std::vector<WorkItem>>& shares) {
+  std::vector<std::vector<std::string>> keys;
+  for (const auto& share : shares) {
+    keys.emplace_back();
+    for (const WorkItem& item : share) keys.back().push_back(format_key(item.family));
+  }
+  return keys;
+}
+
+TEST(Work, OfTheFourStudiesIsSplitAsItWasByTryingOnCopies) {
+  for (const char* name : {"paper", "validation", "normalisation", "pocket"}) {
+    const Study study =
+        load_study(std::filesystem::path(EQUILUX_SOURCE_DIR) / "protocols" / (std::string(name) + ".json"));
+    auto costs = make_costs(study);
+    for (auto& [key, world] : costs) world.object["LG"] = 4e6;
+    const auto items = list_work(costs, enumerate_wanted(study, "*"));
+    for (const int count : {1, 3, 16, 100})
+      EXPECT_EQ(list_families(split_work(items, count)),
+                list_families(split_slowly(items, static_cast<std::size_t>(count))))
+          << name << " in " << count;
+  }
+}
+
+// Random costs, seed 7; products are shared by two, ten or fifty neighbours.
+std::vector<WorkItem> draw_work(std::size_t count) {
+  RandomStream random(7, "work-test", 1);
+  std::vector<WorkItem> items(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    items[i].family.object.geometry = "G" + std::to_string(i);
+    items[i].own = random.next_float();
+    for (const std::size_t group : {i / 2, i / 10, i / 50})
+      items[i].shared[std::to_string(group) + "-" + std::to_string(i % 3)] = 5 * random.next_float();
+  }
+  return items;
+}
+
+TEST(Work, ThatIsDrawnIsSplitAsItWasByTryingOnCopies) {
+  const auto items = draw_work(300);
+  for (const int count : {1, 2, 17, 299, 400})
+    EXPECT_EQ(list_families(split_work(items, count)),
+              list_families(split_slowly(items, static_cast<std::size_t>(count))))
+        << count;
+}
+
 TEST(Work, HasASpeedAlsoWhereTheCameraSeesNothing) {
   Scene scene = load_scene(std::filesystem::path(EQUILUX_SOURCE_DIR) / "stimuli/scenes/cafe.json");
   scene.camera.position = {1000, 1000, 1000};
