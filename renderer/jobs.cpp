@@ -60,14 +60,16 @@ fs::path find_done_name(const fs::path& share) {
   return done;
 }
 
-// Under another name first: a run that is killed here neither gathers it again nor counts its times twice.
-// What is in it is removed by whoever lets go of its lock: NFS keeps the names of files that are open.
+// Its times first, which count once however often they are joined: where they cannot be kept the share stays.
+// Then under another name, by which no run gathers it again. What is in it is removed by whoever lets go of
+// its lock: NFS keeps the names of files that are open.
 fs::path retire_share(const StudyFolder& folder, const StudyFolder& share) {
+  join_timing(folder, share);
   const fs::path done = find_done_name(share.root);
   std::error_code error;
   fs::rename(share.root, done, error);
   if (error) throw StoreError(fmt::format("{}: cannot rename: {}", share.root.string(), error.message()));
-  join_timing(folder, {done});
+  join_log(folder, {done});
   return done;
 }
 
@@ -158,7 +160,6 @@ GatheredShare gather_share(const Gathering& job, const StudyFolder& share) {
     gathered.warnings.push_back(std::move(reason));
     return gathered;
   }
-  load_timing(share);  // damaged, it is said before the share is retired
   gathered.done = retire_share(job.folder, share);
   return gathered;
 }

@@ -1,6 +1,7 @@
 // timing.json, added to; the log.
 #include "renderer/timing.h"
 
+#include <algorithm>
 #include <exception>
 #include <fmt/format.h>
 
@@ -50,8 +51,14 @@ void append_timing(const StudyFolder& folder, const RunTiming& timing) {
 void join_timing(const StudyFolder& folder, const StudyFolder& share) {
   Json runs = load_timing(folder);
   const Json more = load_timing(share);
-  for (const Json& run : more.as_array()) runs.push(run);
+  for (const Json& run : more.as_array()) {
+    const Json::Array& known = runs.as_array();
+    if (std::find(known.begin(), known.end(), run) == known.end()) runs.push(run);
+  }
   save_runs(folder, std::move(runs));
+}
+
+void join_log(const StudyFolder& folder, const StudyFolder& share) {
   if (!is_file(share.log())) return;  // there is none, or a pipe that would be waited for
   std::ifstream lines(share.log());
   open_log(folder) << lines.rdbuf();

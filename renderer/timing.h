@@ -27,8 +27,11 @@ struct RunTiming {
 /// errors: InputError, StoreError
 void append_timing(const StudyFolder& folder, const RunTiming& timing);
 
-/// Adds the runs and the log of a share to those of its set. errors: InputError, StoreError
+/// Adds the runs of a share to those of its set, but for those that are there. errors: InputError, StoreError
 void join_timing(const StudyFolder& folder, const StudyFolder& share);
+
+/// Adds the log of a share to that of its set.
+void join_log(const StudyFolder& folder, const StudyFolder& share);
 
 /// Work done a second in this folder's runs; empty where none says. units: paths / s
 std::optional<double> find_speed(const StudyFolder& folder);

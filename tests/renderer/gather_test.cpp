@@ -9,8 +9,10 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/folder_lock.h"
+#include "base/program.h"
 #include "renderer/jobs.h"
 #include "renderer/set.h"
+#include "renderer/timing.h"
 #include "stimuli/layers.h"
 #include "tests/renderer/tiny_study.h"
 #include "tests/support/failures.h"
@@ -123,6 +125,29 @@ TEST_F(Gather, GoesOnAfterAShareThatTheFileSystemFailsFor) {
   fs::remove(share("1-of-2") / ".lock");
   EXPECT_EQ(gather().warnings, std::vector<std::string>());
   EXPECT_FALSE(path_exists(jobs()));
+}
+
+TEST_F(Gather, KeepsAShareWhoseTimesCannotBeKept) {
+  render_shares(1);
+  const StudyFolder set{study_.folder() / "set"};
+  const auto runs = load_timing({share("1-of-1")});
+  const fs::path part = set.timing().string() + fmt::format(".{}@{}.part", ::getpid(), find_host_name());
+  fs::create_directory(part);  // where the new file is written first
+  message_of<StoreError>([&] { gather(); });
+  EXPECT_TRUE(path_exists(share("1-of-1")));
+  EXPECT_EQ(load_timing(set).as_array().size(), 0u);
+  fs::remove(part);
+  EXPECT_EQ(gather().warnings, std::vector<std::string>());
+  EXPECT_EQ(load_timing(set).as_array().front(), runs.as_array().front());
+  EXPECT_FALSE(path_exists(jobs()));
+}
+
+TEST_F(Gather, CountsTheTimesOfAShareOnce) {
+  render_shares(1);
+  const StudyFolder set{study_.folder() / "set"};
+  join_timing(set, {share("1-of-1")});  // by a run that was killed before it renamed the share
+  gather();
+  EXPECT_EQ(load_timing(set).as_array().size(), 2u) << "the share's and that of the pictures";
 }
 
 // A share that was killed: its reference of G0-MS-ind-v0 is whole, and of its room a stage.
