@@ -179,6 +179,7 @@ class SetMaker {
     warn(store.warnings());
     if (!missing.empty()) {
       if (!params_.render) refuse_gaps(missing);
+      tell_of_shares();
       render_missing(own, missing, store);
     }
     if (params_.only == "*") remove_room_stages(own.rooms());
@@ -192,6 +193,13 @@ class SetMaker {
                      fmt::format("{} references and {} layers of VPL pictures missing, {} the first{}",
                                  missing.families.size(), missing.conditions.size(), first,
                                  join_warnings(left_) + join_warnings(summary_.warnings)));
+  }
+
+  // What they hold may be hours of work that is done again now.
+  void tell_of_shares() const {
+    for (const std::string& why : left_) {
+      if (params_.remark) params_.remark(why + "; what the set lacks of it is rendered again");
+    }
   }
 
   void render_missing(const StudyFolder& own, const Wanted& missing, LayerStore& store) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ struct SetParams {
   std::vector<std::filesystem::path> reuse = {};  ///< study folders whose layers may be taken over
   bool render = true;                             ///< false: only gather, and refuse what is still missing
   std::chrono::milliseconds patience = kLockPatience;  ///< with a folder that somebody else writes
+  /// Told why shares were not gathered, where something is missing that is rendered then.
+  std::function<void(const std::string&)> remark = {};
 };
 
 /// What a run did. units: s

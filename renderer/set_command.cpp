@@ -23,6 +23,7 @@ void add_set(CLI::App& app, CommandLine& line) {
   set->callback([&line, params, job, share] {
     line.command = [params, job, is_share = share->count() > 0] {
       if (is_share) params->job = parse_job(*job);
+      params->remark = [](const std::string& why) { fmt::print(stderr, "warning: {}\n", why); };
       const SetSummary summary = make_set(*params);
       fmt::print("{}\n{}\n", format_summary(summary), params->folder.string());
       return is_within_limits(summary) ? kExitOk : kExitError;

@@ -150,6 +150,29 @@ TEST_F(Gather, CountsTheTimesOfAShareOnce) {
   EXPECT_EQ(load_timing(set).as_array().size(), 2u) << "the share's and that of the pictures";
 }
 
+TEST_F(Gather, SaysBeforeItRendersThatAShareCannotBeGathered) {
+  render_shares(2);
+  SetParams params = params_of("set");
+  const StudyFolder set{params.folder};
+  std::vector<std::string> remarks;
+  std::size_t gathered = 0;
+  params.remark = [&](const std::string& line) {
+    remarks.push_back(line);
+    gathered = load_layers(set.layers()).by_name.size();
+  };
+  {
+    const FolderLock lock(share("1-of-2"));
+    const SetSummary summary = make_set(params);
+    EXPECT_EQ(summary.warnings.size(), 1u);
+    EXPECT_EQ(gathered + summary.layers_rendered, load_layers(set.layers()).by_name.size())
+        << "before the first layer";
+    EXPECT_THAT(remarks, ElementsAre(AllOf(HasSubstr("still being rendered by process"),
+                                           HasSubstr("is rendered again"))));
+    make_set(params);
+    EXPECT_EQ(remarks.size(), 1u) << "nothing is missing then";
+  }
+}
+
 // A share that was killed: its reference of G0-MS-ind-v0 is whole, and of its room a stage.
 class KilledShare : public Gather {
  protected:
