@@ -13,6 +13,7 @@
 #include "renderer/stopwatch.h"
 #include "renderer/vpl.h"
 #include "renderer/work.h"
+#include "renderer/world_shelf.h"
 
 namespace equilux {
 namespace {
@@ -441,6 +442,30 @@ PathsByCount find_paths(const Study& study, const World& world, const Wanted& mi
   return paths;
 }
 
+// What is known of all groups before the first reference.
+struct GroupCosts {
+  std::map<WorldKey, WorldCosts> work;
+  std::map<WorldKey, PathsByCount> paths;
+};
+
+// Every world is made, so that a mesh that cannot be read or a world without VPLs is said now; in reverse, so
+// that the last one is the first that is rendered.
+GroupCosts survey_groups(const Study& study, const Scene& scene, const std::map<WorldKey, Wanted>& groups,
+                         WorldShelf& worlds, double& seconds) {
+  GroupCosts costs;
+  const std::vector<Family> references = pick_references(study);
+  Progress progress("looking at worlds", static_cast<double>(groups.size()));
+  for (auto group = groups.rbegin(); group != groups.rend(); ++group) {
+    const auto& [key, missing] = *group;
+    const World& world = worlds.take(key);
+    const Stopwatch watch(seconds);
+    costs.work[key] = estimate_costs(study, scene, world, references);
+    costs.paths[key] = find_paths(study, world, missing);
+    progress.advance(1);
+  }
+  return costs;
+}
+
 }  // namespace
 
 double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
@@ -448,27 +473,15 @@ double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& m
   const Study& study = recipes.study;
   check_memory(study, missing);
   const auto groups = group_layers(missing);
-  std::map<WorldKey, World> worlds;
-  std::map<WorldKey, WorldCosts> costs;
-  std::map<WorldKey, PathsByCount> paths;  // before the first reference: a world without VPLs is an error
-  {
-    const Stopwatch watch(seconds["worlds"]);
-    const std::vector<Family> references = pick_references(study);
-    for (const auto& [key, group] : groups) {
-      const auto& world =
-          worlds.emplace(key, make_world(scene, key.geometry, key.illumination)).first->second;
-      costs[key] = estimate_costs(study, scene, world, references);
-      paths[key] = find_paths(study, world, group);
-    }
-  }
-  const double work = sum_work(list_work(costs, missing));
+  WorldShelf worlds(scene, seconds["worlds"]);
+  const GroupCosts costs = survey_groups(study, scene, groups, worlds, seconds["worlds"]);
+  const double work = sum_work(list_work(costs.work, missing));
   Progress progress("rendering", work);
   WorkCounts counts{missing.families.size(), missing.conditions.size()};
   for (const auto& [key, group] : groups) {
-    const GroupJob job{recipes,  study,   scene, worlds.at(key), paths.at(key), store,
-                       progress, seconds, log,   counts};
+    const GroupJob job{recipes, study, scene, worlds.take(key), costs.paths.at(key), store, progress,
+                       seconds, log,   counts};
     render_group(job, key, group);
-    worlds.erase(key);
   }
   return work;
 }

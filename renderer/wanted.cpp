@@ -96,11 +96,12 @@ void check_has_light(const Scene& scene, Illumination illumination) {
 
 Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted) {
   Recipes recipes{study, {}};
+  MeshDigests digests;
   for (const Family& family : wanted.families) {
     const auto [part, added] = recipes.scene_parts.try_emplace(family.object);
     if (!added) continue;
     check_has_light(scene, family.object.illumination);
-    part->second = digest_scene_part(scene, family.object);
+    part->second = digest_scene_part(scene, family.object, true, &digests);
   }
   return recipes;
 }

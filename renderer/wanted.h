@@ -38,7 +38,7 @@ struct Recipes {
 /// errors: InputError where the illumination leaves no light on
 void check_has_light(const Scene& scene, Illumination illumination);
 
-/// Reads every mesh file that these objects need. errors: InputError for what the scene lacks.
+/// Reads every mesh file that these objects need, once. errors: InputError for what the scene lacks.
 Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted);
 
 std::string digest_family_recipe(const Recipes& recipes, const Family& family);

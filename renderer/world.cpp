@@ -9,6 +9,7 @@
 #include <map>
 #include <pmmintrin.h>
 
+#include "base/digest.h"
 #include "base/error.h"
 #include "renderer/isa.h"
 #include "renderer/parallel.h"
@@ -285,6 +286,12 @@ std::size_t World::triangle_count() const {
   std::size_t count = 0;
   for (const Part& part : impl_->parts) count += part.mesh.triangles.size();
   return count;
+}
+
+std::string World::digest_triangles() const {
+  std::string digests;
+  for (const Part& part : impl_->parts) digests += digest_mesh(part.mesh);
+  return digest_text(digests);
 }
 
 std::optional<SurfacePoint> World::intersect(Vec3 origin, Vec3 direction, float length) const {

@@ -114,6 +114,8 @@ class World {
   bool may_be_lit(std::size_t object) const { return lit_objects_[object]; }
   const std::vector<MaterialSpec>& room_materials() const { return room_materials_; }
   std::size_t triangle_count() const;
+  /// Of all that was read or generated for it, in the world's order.
+  std::string digest_triangles() const;
 
  private:
   friend class WorldBuilder;

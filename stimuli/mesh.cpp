@@ -1,6 +1,10 @@
 // What every mesh needs, wherever it came from.
 #include "stimuli/mesh.h"
 
+#include <string_view>
+
+#include "base/digest.h"
+
 namespace equilux {
 namespace {
 
@@ -20,6 +24,14 @@ TriangleMesh with_flat_normals(const TriangleMesh& mesh) {
 }
 
 }  // namespace
+
+std::string digest_mesh(const TriangleMesh& mesh) {
+  const auto bytes = [](const auto& values) {
+    return std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  return digest_text(digest_text(bytes(mesh.positions)) + digest_text(bytes(mesh.normals)) +
+                     digest_text(bytes(mesh.triangles)));
+}
 
 void append_mesh(TriangleMesh& a, const TriangleMesh& b) {
   if (b.triangles.empty()) return;

@@ -44,6 +44,9 @@ TriangleMesh repair_mesh(const TriangleMesh& mesh, MeshRepairs& repairs, const s
 /// header says (ply_check.h), without triangles, or with coordinates that are not finite.
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs = nullptr);
 
+/// Of all that it holds.
+std::string digest_mesh(const TriangleMesh& mesh);
+
 /// Joins b to a; missing normals become flat ones first if only one of the two has them.
 void append_mesh(TriangleMesh& a, const TriangleMesh& b);
 

@@ -138,9 +138,14 @@ TriangleMesh make_object(const Scene& scene, const std::string& geometry, MeshRe
 /// through the stand.
 Camera make_view_camera(const Scene& scene, int view);
 
+/// Of meshes that were read from files, by name.
+using MeshDigests = std::map<std::string, std::string>;
+
 /// Digest of what a picture of this object depends on: camera, lights that are on, room, the object's mesh
 /// and its material. A material or geometry that is not shown has no part in it, the other sculptures have;
 /// mesh files count with their bytes. `with_material` false: what does not depend on the object's material.
-std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material = true);
+/// Files whose digests are in `digests` are not read, those of others are added.
+std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material = true,
+                              MeshDigests* digests = nullptr);
 
 }  // namespace equilux

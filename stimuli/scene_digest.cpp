@@ -43,30 +43,28 @@ Json light_content(const Light& light) {
 }
 
 // What was read, so that files beside the one that is named count too.
-std::string digest_mesh(const TriangleMesh& mesh) {
-  const auto bytes = [](const auto& values) {
-    return std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
-  };
-  return digest_text(digest_text(bytes(mesh.positions)) + digest_text(bytes(mesh.normals)) +
-                     digest_text(bytes(mesh.triangles)));
+std::string digest_file_mesh(const Scene& scene, const std::string& name, MeshDigests& known) {
+  const auto found = known.find(name);
+  if (found != known.end()) return found->second;
+  return known[name] = digest_mesh(make_mesh(scene, name));
 }
 
 // A mesh's specification without its name; files count with what they hold, groups with what they join.
-Json mesh_content(const Scene& scene, const std::string& name) {
+Json mesh_content(const Scene& scene, const std::string& name, MeshDigests& known) {
   const Json& spec = scene.meshes.at(name);
   Json json;
   for (const char* kind : kMeshKinds) {
     if (const Json* found = spec.find(kind)) json.set(kind, *found);
   }
-  if (spec.find("file")) json.set("content", digest_mesh(make_mesh(scene, name)));
+  if (spec.find("file")) json.set("content", digest_file_mesh(scene, name, known));
   if (const Json* scatter = spec.find("scatter")) {
     for (const char* member : {"mesh", "over"})
-      json.set(std::string("scatter_") + member, mesh_content(scene, scatter->at(member).as_string()));
+      json.set(std::string("scatter_") + member, mesh_content(scene, scatter->at(member).as_string(), known));
   }
   if (const Json* group = spec.find("group")) {
     Json parts{Json::Array{}};
     for (const Json& part : group->as_array()) {
-      Json row = mesh_content(scene, part.at("mesh").as_string());
+      Json row = mesh_content(scene, part.at("mesh").as_string(), known);
       row.set("placement", placement_content(make_placement(part)));
       parts.push(std::move(row));
     }
@@ -77,18 +75,21 @@ Json mesh_content(const Scene& scene, const std::string& name) {
 
 }  // namespace
 
-std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material) {
+std::string digest_scene_part(const Scene& scene, const Object& object, bool with_material,
+                              MeshDigests* digests) {
+  MeshDigests own;
+  MeshDigests& known = digests ? *digests : own;
   Json json;
   json.set("camera_position", to_json(scene.camera.position))
       .set("camera_target", to_json(scene.camera.target));
   json.set("camera_up", to_json(scene.camera.up)).set("fov", double{scene.camera.vertical_fov_degrees});
   json.set("stand", to_json(scene.stand));
-  json.set("object", mesh_content(scene, mesh_of(scene, object.geometry)));
+  json.set("object", mesh_content(scene, mesh_of(scene, object.geometry), known));
   if (with_material) json.set("material", material_content(find_material(scene, object.material)));
   Json room{Json::Array{}};
   for (const Instance& instance : scene.instances) {
     Json row;
-    row.set("mesh", mesh_content(scene, instance.mesh))
+    row.set("mesh", mesh_content(scene, instance.mesh, known))
         .set("placement", placement_content(instance.placement));
     row.set("material", material_content(find_material(scene, instance.material)));
     room.push(std::move(row));
@@ -98,7 +99,7 @@ std::string digest_scene_part(const Scene& scene, const Object& object, bool wit
     row.set("stand", to_json(sculpture.stand)).set("turn", double{sculpture.turn_degrees});
     row.set("is_object", sculpture.name == object.geometry);
     if (sculpture.name != object.geometry) {
-      row.set("mesh", mesh_content(scene, sculpture.mesh));
+      row.set("mesh", mesh_content(scene, sculpture.mesh, known));
       row.set("material", material_content(find_material(scene, sculpture.material)));
     }
     room.push(std::move(row));

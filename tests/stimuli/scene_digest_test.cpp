@@ -111,5 +111,17 @@ TEST_F(SceneDigest, OfAMeshFileGoesWithItsBytes) {
   EXPECT_NE(digest(scene_, scan), before);
 }
 
+TEST_F(SceneDigest, OfAMeshFileThatWasReadNeedsTheFileNoMore) {
+  folder_.write("scan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Scene scene = load_scene_of(folder_, scene_);
+  const Object first{"Scan", "MS", Illumination::kIndirect}, second{"Scan", "LG", Illumination::kIndirect};
+  const std::string one = digest_scene_part(scene, first), other = digest_scene_part(scene, second);
+  MeshDigests digests;
+  EXPECT_EQ(digest_scene_part(scene, first, true, &digests), one);
+  folder_.write("scan.obj", "");
+  EXPECT_EQ(digest_scene_part(scene, second, true, &digests), other);
+  EXPECT_THROW(digest_scene_part(scene, second), InputError);
+}
+
 }  // namespace
 }  // namespace equilux
