@@ -25,6 +25,20 @@ bool is_active(RenderState state) {
   return state == RenderState::kRunning || state == RenderState::kPaused || state == RenderState::kCancelling;
 }
 
+// What a set is beyond, which a session or `verify` would refuse it for, or what is hardly ever meant.
+std::string tell_faults(const SetSummary& summary) {
+  const auto tell = [](const std::string& what, std::size_t count, const std::string& first) {
+    return fmt::format("; {}: {}{}", what, count > 1 ? fmt::format("{}, the first ", count) : "", first);
+  };
+  std::string text;
+  if (!summary.missed.empty())
+    text += tell("BEYOND ITS LIMIT", summary.missed.size(), summary.missed.front());
+  if (!summary.findings.empty())
+    text += tell("FOUND WRONG", summary.findings.size(), format_finding(summary.findings.front()));
+  if (!summary.warnings.empty()) text += tell("warning", summary.warnings.size(), summary.warnings.front());
+  return text;
+}
+
 // Its thread writes the outcome, and is over then.
 struct BackgroundRender::Run {
   Run(const std::filesystem::path& study_file, const std::filesystem::path& folder) {
@@ -39,8 +53,8 @@ struct BackgroundRender::Run {
     const ControlledWork work(control);
     try {
       const SetSummary summary = make_set(params);
-      control.tell(
-          fmt::format("{} pictures, {} of them made now", summary.pictures, summary.pictures_written));
+      control.tell(fmt::format("{} pictures, {} of them made now{}", summary.pictures,
+                               summary.pictures_written, tell_faults(summary)));
       return RenderState::kDone;
     } catch (const WorkCancelled&) {
       return RenderState::kCancelled;

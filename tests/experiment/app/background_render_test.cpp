@@ -7,6 +7,8 @@
 #include <thread>
 
 #include "renderer/set.h"
+#include "stimuli/layers.h"
+#include "stimuli/study_folder.h"
 #include "tests/renderer/tiny_study.h"
 
 namespace equilux {
@@ -45,6 +47,25 @@ TEST(BackgroundRender, SaysWhyItFailedAndCanBeBegunAgain) {
   EXPECT_EQ(render.poll(), RenderState::kPaused);
   render.resume();
   EXPECT_EQ(wait_for_end(render), RenderState::kDone);
+}
+
+// A reference whose record says that it is far from its path-traced check.
+TEST(BackgroundRender, TellsWhatIsBeyondItsLimit) {
+  const test::TinyStudy study;
+  const StudyFolder folder{study.folder() / "set"};
+  make_set({study.path(), folder.root});
+  Layers layers = load_layers(folder.layers());
+  layers.by_name.at("G0-MS-ind-ref-v0.indirect")
+      .reference.set("check", parse_json(R"([{"region": "contact band", "pixels": 9, "mean": 1, "z": 7.1,
+      "standard_error": 0.1, "path_traced": 1, "path_traced_error": 0.1}])",
+                                         "check"));
+  save_layers(layers, folder.layers());
+  BackgroundRender render;
+  render.start(study.path(), folder.root);
+  EXPECT_EQ(wait_for_end(render), RenderState::kDone);
+  EXPECT_THAT(render.line(),
+              testing::HasSubstr("made now; BEYOND ITS LIMIT: G0-MS-ind-ref-v0.indirect: region "
+                                 "contact band differs"));
 }
 
 TEST(BackgroundRender, WhenCancelledAndAtOnceWantedAgainBeginsAfterItsEnd) {
