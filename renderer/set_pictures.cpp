@@ -182,13 +182,11 @@ void tonemap_family(const Study& study, const LayerStore& store, const Family& f
 void tonemap_families(const Study& study, const LayerStore& store, const Wanted& wanted,
                       PictureStore& pictures, SetSummary& summary) {
   Progress progress("pictures", static_cast<double>(wanted.families.size() + wanted.conditions.size()));
+  std::map<Family, std::vector<Condition>> conditions;
+  for (const Condition& condition : wanted.conditions) conditions[family_of(condition)].push_back(condition);
   auto recorded = std::chrono::steady_clock::now();
   for (const Family& family : wanted.families) {
-    std::vector<Condition> conditions;
-    for (const Condition& condition : wanted.conditions) {
-      if (family_of(condition) == family) conditions.push_back(condition);
-    }
-    tonemap_family(study, store, family, conditions, pictures, progress, summary);
+    tonemap_family(study, store, family, conditions[family], pictures, progress, summary);
     if (std::chrono::steady_clock::now() - recorded < kRecordEvery) continue;
     pictures.save_record();
     recorded = std::chrono::steady_clock::now();
