@@ -40,6 +40,7 @@ struct SetSummary {
   double peak_memory = 0;                     ///< of the process; 0: not told. units: bytes
   std::map<std::string, DisplayNoise> noise;  ///< by key of the reference
   NoiseTarget target;
+  bool fixes_paths = false;                         ///< the study: no reference is held to the target
   std::map<std::int64_t, ErrorSummary> cut_errors;  ///< by VPL count, pooled over pictures by cuts
   std::vector<std::string> warnings;                ///< what is legal and hardly ever meant
   std::vector<std::string> missed;  ///< limits that layers do not keep, and that the same study never will

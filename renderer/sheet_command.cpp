@@ -6,6 +6,7 @@
 #include "base/program.h"
 #include "renderer/commands.h"
 #include "renderer/make_sheet.h"
+#include "stimuli/study_folder.h"
 
 namespace equilux {
 namespace {
@@ -46,6 +47,7 @@ void name_files(const SheetOptions& options, SheetRequest& request) {
 
 int write_sheet(const SheetOptions& options) {
   SheetRequest request = to_request(options);
+  load_folder_study({request.folder});  // before its name is taken for that of a file
   name_files(options, request);
   const SheetSummary summary = make_sheet(request);
   fmt::print("{} pictures, {} not rendered; {} x {} pixels\n", summary.pictures, summary.missing,

@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 const std::string kKey = "G0-MS-ind-100-C4-v0";
@@ -140,7 +141,9 @@ TEST_F(DoubtedSet, WithSessionsIsNotChanged) {
 
 // A study with a target, of which these few paths are far.
 TEST_F(DoubtedSet, BeyondItsLimitsSaysWhatToDo) {
-  EXPECT_TRUE(is_within_limits(tonemap_set(folder_.root))) << "of fixed paths";
+  const SetSummary fixed = tonemap_set(folder_.root);
+  EXPECT_TRUE(is_within_limits(fixed)) << "of fixed paths";
+  EXPECT_THAT(format_summary(fixed), testing::AllOf(HasSubstr("not held to it"), Not(HasSubstr("MISSED"))));
   Json json{Json::Object{}};
   const Json study = study_.load().source;
   for (const auto& [member, value] : study.as_object()) {

@@ -145,6 +145,7 @@ TEST_F(ProgramInput, NamesWhatIsNotThere) {
   for (const auto& [program, words] : folder_commands(nowhere)) {
     expect_input_error(program, words, nowhere + ": expected a study folder");
   }
+  expect_input_error("render", {"sheet", nowhere}, nowhere + ": expected a study folder");
   expect_input_error("render", {"set", nowhere + ".json", "--out", path("out")}, nowhere + ".json");
   expect_input_error("render", image_words(nowhere + ".json", path("a.exr")), nowhere + ".json");
   expect_input_error("render", {"export", nowhere + ".json", "--out", path("a.py")}, nowhere + ".json");
