@@ -6,14 +6,17 @@
 #include <fmt/format.h>
 #include <functional>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "renderer/compensation.h"
 #include "renderer/lightcut.h"
 #include "renderer/lights.h"
 #include "renderer/reference.h"
+#include "renderer/set.h"
 #include "renderer/vpl_sets.h"
 #include "tests/bench/bench.h"
+#include "tests/renderer/tiny_study.h"
 
 namespace equilux {
 namespace {
@@ -262,6 +265,37 @@ void compare_rays() {
       });
 }
 
+// With it: what is read and made of every mesh that the scene names, as one file for all conditions would.
+void compare_parts() {
+  const std::set<std::string> used = [] {
+    std::set<std::string> meshes = list_used_meshes(cafe(), cafe().geometries.at("G2"));
+    for (const Instance& instance : cafe().instances) meshes.merge(list_used_meshes(cafe(), instance.mesh));
+    return meshes;
+  }();
+  const auto make = [] { make_world(cafe(), "G2", Illumination::kIndirect); };
+  print_row("meshes of other conditions", "the world of G2", make, [&] {
+    make();
+    for (const auto& [name, spec] : cafe().meshes) {
+      if (!used.contains(name) && !spec.find("file")) make_mesh(cafe(), name);
+    }
+  });
+}
+
+void compare_disk() {
+  const test::TinyStudy study;
+  const std::filesystem::path whole = study.folder() / "whole", fresh = study.folder() / "fresh";
+  make_set({study.path(), whole});
+  print_row(
+      "layers that are on disk", "a study of 24 x 18 pixels, again or for the first time",
+      [&] {
+        make_set({study.path(), whole});
+      },
+      [&] {
+        std::filesystem::remove_all(fresh);
+        make_set({study.path(), fresh});
+      });
+}
+
 }  // namespace
 }  // namespace equilux
 
@@ -285,4 +319,6 @@ int main(int argc, char** argv) {
   compare_tree();
   compare_sharing();
   compare_rays();
+  compare_parts();
+  compare_disk();
 }
