@@ -177,8 +177,12 @@ void check_new_code(const SessionInputs& inputs, const std::vector<SessionRow>& 
 }
 
 // The same words in every program that would run it.
+std::string name_lock(SubjectKind kind, Experiment experiment, const std::string& code) {
+  return fmt::format("{}/{}/{}", format_kind(kind), format_experiment(experiment), code);
+}
+
 std::string name_lock(const SessionInputs& inputs, const std::string& code) {
-  return fmt::format("{}/{}/{}", format_kind(inputs.kind), format_experiment(inputs.experiment), code);
+  return name_lock(inputs.kind, inputs.experiment, code);
 }
 
 [[noreturn]] void refuse_running(const SessionInputs& inputs, const TrialLog& log, const std::string& code) {
@@ -301,6 +305,24 @@ std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, c
     check_new_code(inputs, sessions, request.participant);
   if (unfinished && inputs.kind == SubjectKind::kPerson) check_may_resume(inputs, log, *unfinished, request);
   return unfinished;
+}
+
+std::optional<SessionRow> find_interrupted(const StudyFolder& folder) {
+  if (!TrialLog::is_at(folder.responses())) return std::nullopt;
+  const TrialLog log = TrialLog::load_snapshot(folder.responses());
+  std::optional<SessionRow> last;
+  std::string last_seen_utc;
+  for (const SessionRow& row : log.load_sessions()) {
+    if (row.kind != SubjectKind::kPerson || row.complete) continue;
+    const auto events = log.load_events(row.id);
+    const std::string seen_utc = events.empty() ? row.started_utc : events.back().recorded_utc;
+    if (find_abort_reason(events) || (last && seen_utc < last_seen_utc)) continue;
+    if (SessionLock::is_held(folder.responses(), name_lock(row.kind, row.experiment, row.participant)))
+      continue;
+    last = row;
+    last_seen_utc = seen_utc;
+  }
+  return last;
 }
 
 void check_not_running(const SessionInputs& inputs, const TrialLog& log, const SessionRequest& request) {

@@ -83,6 +83,10 @@ TrialLog make_log(const SessionInputs& inputs);
 std::optional<SessionRow> find_unfinished_session(const SessionInputs& inputs, const TrialLog& log,
                                                   const SessionRequest& request);
 
+/// A person's session that was neither finished nor ended on purpose, and runs in no window: the one of these
+/// that was seen last. errors: as TrialLog
+std::optional<SessionRow> find_interrupted(const StudyFolder& folder);
+
 /// Before anybody is asked anything; open_session makes sure. errors: InputError that names log and session
 /// where another window runs the participant's session
 void check_not_running(const SessionInputs& inputs, const TrialLog& log, const SessionRequest& request);

@@ -43,26 +43,8 @@ std::string draw_free_code(const std::filesystem::path& study_folder) {
   return draw_code(taken);
 }
 
-// A person's session that was neither finished nor ended on purpose: the one of these that was seen last.
-std::optional<SessionRow> find_interrupted(const std::filesystem::path& study_folder) {
-  const StudyFolder folder{study_folder};
-  if (!TrialLog::is_at(folder.responses())) return std::nullopt;
-  const TrialLog log = TrialLog::load_snapshot(folder.responses());
-  std::optional<SessionRow> last;
-  std::string last_seen_utc;
-  for (const SessionRow& row : log.load_sessions()) {
-    if (row.kind != SubjectKind::kPerson || row.complete) continue;
-    const auto events = log.load_events(row.id);
-    const std::string seen_utc = events.empty() ? row.started_utc : events.back().recorded_utc;
-    if (find_abort_reason(events) || (last && seen_utc < last_seen_utc)) continue;
-    last = row;
-    last_seen_utc = seen_utc;
-  }
-  return last;
-}
-
 void fill_in_interrupted(StartForm& form) {
-  const auto row = find_interrupted(read_folder(form));
+  const auto row = find_interrupted({read_folder(form)});
   if (!row) throw InputError("Participant code", "", "a session that was interrupted", "none in this folder");
   set_participant(form, row->participant);
   set_experiment(form, row->experiment);

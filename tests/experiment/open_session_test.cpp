@@ -326,6 +326,20 @@ TEST_F(OpenSessionTest, RefusesASelectionThatArtifactAnswersCameAfter) {
               ThrowsMessage<InputError>(HasSubstr("of the artifact answers in the log")));
 }
 
+TEST_F(OpenSessionTest, TheInterruptedOneIsTheLastThatRunsInNoWindow) {
+  EXPECT_EQ(find_interrupted(folder_), std::nullopt);
+  finish(open("P1"));
+  log_.append_event(open("P2").row.id, "abort", 1, "tired");
+  EXPECT_EQ(find_interrupted(folder_), std::nullopt) << "all of them ended";
+  open("P3");
+  open("P4");
+  EXPECT_EQ(find_interrupted(folder_)->participant, "P4");
+  const OpenSession running = open("P5");
+  EXPECT_EQ(find_interrupted(folder_)->participant, "P4");
+  const OpenSession resumed = open("P4");
+  EXPECT_EQ(find_interrupted(folder_)->participant, "P3");
+}
+
 // Else somebody reads, agrees and answers questions for a session that cannot begin.
 TEST_F(OpenSessionTest, IsKnownBeforehandToHaveNowhereToRecord) {
   EXPECT_NO_THROW(check_can_record(folder_));
