@@ -76,6 +76,11 @@ void LayerStore::save_record() {
   fs::remove(folder_.pending_layers(), stays);
 }
 
+void LayerStore::save_group() {
+  const std::size_t pending = pending_.by_name.size();
+  if (pending * pending > layers_.by_name.size()) save_record();
+}
+
 bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
   check_control();  // a set has thousands to read
   const auto found = layers_.by_name.find(name);

@@ -18,7 +18,7 @@ struct VplRecord {
   Json vpls, errors_1e5;
 };
 
-/// Keeps the records in step with the files. Those of a group that is being saved stand in
+/// Keeps the records in step with the files. Those of the last groups that were saved stand in
 /// layers.pending.json, each before its file has its name: whatever stands when a run is killed is on record.
 class LayerStore {
  public:
@@ -45,8 +45,13 @@ class LayerStore {
   /// Layers recorded here, by name.
   const std::map<std::string, LayerRecord>& records() const { return layers_.by_name; }
 
-  /// Writes layers.json. Called after each group of layers and at the end.
+  /// Writes layers.json. Called at the end.
   void save_record();
+
+  /// The same after a group of layers, where those that are pending are more than the root of all:
+  /// layers.json grows with the set, and to write it after each would take time that goes with the set's
+  /// square.
+  void save_group();
 
   /// errors: InputError if it is not there, its bytes are not those recorded, or its size not the study's
   HdrImage load(const std::string& name) const;

@@ -91,7 +91,7 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
     job.store.save(layer_name(family, content), recipe, *by_content.at(content), {}, {},
                    std::move(reference));
   }
-  job.store.save_record();
+  job.store.save_group();
   ++job.counts.references;
 }
 
@@ -308,7 +308,7 @@ void render_all_plain_sums(const VplJob& job) {
   }
   for (const ViewJob* view : job.views) {
     render_plain_sums(job, *view, vpls);
-    job.group.store.save_record();
+    job.group.store.save_group();
   }
 }
 
@@ -382,7 +382,7 @@ void render_all_lightcuts(const VplJob& job) {
     for (const ViewJob* view : job.views) {
       if (!job.wanted(*view).contains(name)) continue;
       render_lightcuts(job, *view, name, {shared_tree, own_tree, count});
-      job.group.store.save_record();
+      job.group.store.save_group();
     }
   }
 }

@@ -1,7 +1,9 @@
 // Layers on disk: what a killed run left whole is never made again, what cannot be read is.
 #include "renderer/layer_store.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <set>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -58,6 +60,24 @@ TEST_F(LayersOnDisk, AreRecordedAsSoonAsTheyStand) {
   EXPECT_EQ(load_layers(root() / "layers.json").by_name.size(), 3u);
   EXPECT_EQ(std::distance(fs::directory_iterator(root()), fs::directory_iterator()), 2)
       << "layers and layers.json alone";
+}
+
+// Of 100 layers in twenty groups every record is there.
+TEST_F(LayersOnDisk, OfManyGroupsAreOnRecordWithoutWritingAllEachTime) {
+  LayerStore store = open();
+  const StudyFolder folder{root()};
+  std::set<std::string> records;
+  for (int layer = 0; layer < 100; ++layer) {
+    store.save(fmt::format("G{}-MS-ind-ref-v0.direct", layer), kOther, make_image(1), {});
+    if (layer % 5 != 4) continue;
+    store.save_group();
+    ASSERT_EQ(open().records().size(), static_cast<std::size_t>(layer) + 1);
+    if (path_exists(folder.layers())) records.insert(digest_file(folder.layers()));
+  }
+  EXPECT_EQ(records.size(), 11u) << "after 5, 10, 15, 20, 30 ... 90";
+  store.save_record();
+  EXPECT_EQ(load_layers(folder.layers()).by_name.size(), 100u);
+  EXPECT_FALSE(path_exists(folder.pending_layers()));
 }
 
 // What was recorded before its file was renamed, when a disk was full or the process killed, and anything.
