@@ -330,17 +330,6 @@ void check_not_running(const SessionInputs& inputs, const TrialLog& log, const S
     refuse_running(inputs, log, request.participant);
 }
 
-// The pictures may have been replaced since they were looked at. Asked when the log is there: whoever
-// replaces pictures marks the folder, then looks for a log.
-void check_still_shown(const SessionInputs& inputs) {
-  refuse_findings(find_change_mark(inputs.folder), inputs.folder);
-  const std::string source = inputs.folder.manifest().string();
-  const Manifest manifest = load_checked_manifest(inputs.folder, inputs.study);
-  if (digest_pictures(manifest, enumerate_session_keys(inputs), source) != inputs.digests.manifest)
-    throw InputError(source, "/pictures", "the pictures that the session was prepared with",
-                     "others, made since; begin again");
-}
-
 void check_can_record(const StudyFolder& folder, std::uintmax_t least_free) {
   const std::string log = folder.responses().string();
   for (const std::string& path : {folder.root.string(), log, log + ".lock"}) {
@@ -350,10 +339,24 @@ void check_can_record(const StudyFolder& folder, std::uintmax_t least_free) {
   }
   std::error_code not_told;
   const fs::space_info space = fs::space(folder.root, not_told);
-  if (not_told || space.available >= least_free) return;
+  // Of some file systems the size is not known: none of it, then.
+  if (not_told || space.capacity == 0 || space.available >= least_free) return;
   throw StoreError(
       fmt::format("{}: of its disk {:.1f} MiB are free, and a session wants {:.0f}; make room first",
                   folder.root.string(), std::ldexp(space.available, -20), std::ldexp(least_free, -20)));
+}
+
+namespace {
+
+// The pictures may have been replaced since they were looked at. Asked when the log is there: whoever
+// replaces pictures marks the folder, then looks for a log.
+void check_still_shown(const SessionInputs& inputs) {
+  refuse_findings(find_change_mark(inputs.folder), inputs.folder);
+  const std::string source = inputs.folder.manifest().string();
+  const Manifest manifest = load_checked_manifest(inputs.folder, inputs.study);
+  if (digest_pictures(manifest, enumerate_session_keys(inputs), source) != inputs.digests.manifest)
+    throw InputError(source, "/pictures", "the pictures that the session was prepared with",
+                     "others, made since; begin again");
 }
 
 void check_unchanged(const std::filesystem::path& file, const std::string& before, const std::string& now) {
@@ -377,6 +380,8 @@ void check_still_same(const SessionInputs& inputs, const TrialLog* log) {
   }
   check_still_shown(inputs);
 }
+
+}  // namespace
 
 TrialLog make_log(const SessionInputs& inputs) {
   check_still_same(inputs, nullptr);

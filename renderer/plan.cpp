@@ -169,7 +169,7 @@ Omission plan_reference(const Probe& probe) {
           : left_out
               ? "VPL sets and compensation have the same mean; where the pilots foresee that paths are "
                 "cheaper, it is path traced all the same"
-              : "the study does not ask for compensated references",
+              : "the study asks for path tracing, or fixes its paths",
           left_out ? "what the reference's record tells against its path-traced check, for each object" : ""};
 }
 

@@ -23,7 +23,9 @@ std::string find_uncertified(const LayerRecord& layer, bool wanted) {
 std::string find_unchecked(const LayerRecord& layer, const Study& study) {
   const Json* method = layer.reference.is_null() ? nullptr : layer.reference.find("method");
   if (!method) {
-    const bool is_asked_for = !study.paths && study.reference == ReferenceMethod::kCompensated;
+    // A record without method is older than the default.
+    const bool is_asked_for =
+        study.reference == ReferenceMethod::kCompensated && study.source.find("reference");
     return is_asked_for ? "its record does not say how it was made" : "";
   }
   if (method->as_string() != "compensated" || layer.reference.find("check")) return "";

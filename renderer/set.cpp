@@ -176,6 +176,7 @@ class SetMaker {
   void complete_layers(const StudyFolder& own, LayerStore& store) {
     if (params_.job) adopt_from(folder_.root, store);
     for (const fs::path& other : params_.reuse) adopt_from(other, store);
+    if (summary_.layers_adopted > 0) store.save_record();  // else a killed run would leave them unknown
     const Wanted missing = find_missing(recipes_, wanted_, store);
     warn(store.warnings());
     if (!missing.empty()) {
@@ -199,7 +200,7 @@ class SetMaker {
   // What they hold may be hours of work that is done again now.
   void tell_of_shares() const {
     for (const std::string& why : left_) {
-      if (params_.remark) params_.remark(why + "; what the set lacks of it is rendered again");
+      if (params_.remark) params_.remark(why + "; what the set lacks is rendered now");
     }
   }
 

@@ -19,12 +19,6 @@ constexpr int kNiceness = 10;  // the window comes first
 // Of this thread, and of those that it begins.
 void be_nice() { ::setpriority(PRIO_PROCESS, 0, kNiceness); }
 
-}  // namespace
-
-bool is_active(RenderState state) {
-  return state == RenderState::kRunning || state == RenderState::kPaused || state == RenderState::kCancelling;
-}
-
 // What a set is beyond, which a session or `verify` would refuse it for, or what is hardly ever meant.
 std::string tell_faults(const SetSummary& summary) {
   const auto tell = [](const std::string& what, std::size_t count, const std::string& first) {
@@ -37,6 +31,12 @@ std::string tell_faults(const SetSummary& summary) {
     text += tell("FOUND WRONG", summary.findings.size(), format_finding(summary.findings.front()));
   if (!summary.warnings.empty()) text += tell("warning", summary.warnings.size(), summary.warnings.front());
   return text;
+}
+
+}  // namespace
+
+bool is_active(RenderState state) {
+  return state == RenderState::kRunning || state == RenderState::kPaused || state == RenderState::kCancelling;
 }
 
 // Its thread writes the outcome, and is over then.

@@ -167,7 +167,7 @@ TEST_F(Gather, SaysBeforeItRendersThatAShareCannotBeGathered) {
     EXPECT_EQ(gathered + summary.layers_rendered, load_layers(set.layers()).by_name.size())
         << "before the first layer";
     EXPECT_THAT(remarks, ElementsAre(AllOf(HasSubstr("still being rendered by process"),
-                                           HasSubstr("is rendered again"))));
+                                           HasSubstr("is rendered now"))));
     make_set(params);
     EXPECT_EQ(remarks.size(), 1u) << "nothing is missing then";
   }

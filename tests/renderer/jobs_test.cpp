@@ -349,6 +349,11 @@ TEST(Set, TakesOverLayersThatAnotherStudyMadeFromTheSame) {
   EXPECT_EQ(with.layers_rendered * 3, alone.layers_rendered) << "only BR is new";
   EXPECT_EQ(digest_products(study.folder() / "with/pictures"),
             digest_products(study.folder() / "alone/pictures"));
+  // What is taken over is on record before anything is rendered: the run may be killed there.
+  const StudyFolder stopped{params.folder = study.folder() / "stopped"};
+  fs::create_directories(stopped.root / "layers/G0-BR-ind-ref-v0.background.exr/in-the-way");
+  EXPECT_THROW(make_set(params), StoreError);
+  EXPECT_EQ(load_layers(stopped.layers()).by_name.size(), with.layers_adopted);
   fs::rename(study.folder() / "set/layers", study.folder() / "elsewhere");
   fs::create_directory_symlink("../elsewhere", study.folder() / "set/layers");
   for (const auto& entry : fs::directory_iterator(study.folder() / "elsewhere")) {
