@@ -15,6 +15,7 @@
 #include "experiment/app/background_render.h"
 #include "experiment/app/folder_view.h"
 #include "experiment/app/gui.h"
+#include "experiment/app/key_letter.h"
 #include "experiment/app/pages.h"
 #include "experiment/app/pictures.h"
 #include "experiment/app/results_view.h"
@@ -32,18 +33,6 @@ constexpr int kDifferenceGain = 4;
 constexpr float kRowLabel = 60, kCountHeight = 20, kCountText = 16, kGap = 6;
 constexpr float kUsualScale = 0.8F;  // of a session's text
 constexpr Size kLeastWindow{960, 760};
-
-// UTF-8 of letters beyond those of Latin alphabets.
-constexpr unsigned char kFirstBeyondLatin = 0xCA;
-
-// The letter on the key that was pressed: GLFW names keys by their places on an American keyboard. Where no
-// Latin letters are written, by the place.
-int find_letter(const InputEvent& event) {
-  const char* name = glfwGetKeyName(event.code, event.scancode);
-  if (!name || static_cast<unsigned char>(name[0]) >= kFirstBeyondLatin) return event.code;
-  const bool is_letter = name[0] >= 'a' && name[0] <= 'z' && name[1] == '\0';
-  return is_letter ? GLFW_KEY_A + (name[0] - 'a') : GLFW_KEY_UNKNOWN;
-}
 
 // A place in the grid.
 struct Place {
@@ -72,7 +61,7 @@ class Browser {
       gui_.take(events);
       for (const InputEvent& event : events) {
         if (event.kind == InputKind::kKeyPress || event.kind == InputKind::kKeyRepeat)
-          press(find_letter(event));
+          press(find_letter(event.code, glfwGetKeyName(event.code, event.scancode)));
       }
       watch_render();
     }
