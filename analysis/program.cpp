@@ -90,8 +90,8 @@ std::string describe_outcome(PruneOutcome outcome, const std::string& path,
 // What was rendered, which may be less than the study has.
 std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study,
                                      const std::optional<Manifest>& manifest) {
-  if (!manifest) return {};
   if (auto found = find_verdict(folder); !found.empty()) return found;
+  if (!manifest) return {};
   std::vector<std::string> keys;
   for (const auto& [key, picture] : manifest->pictures) keys.push_back(key);
   return verify_pictures(folder, study, *manifest, keys);

@@ -41,13 +41,17 @@ std::string digest_text(std::string_view bytes) {
   return sha.finish();
 }
 
-std::string digest_file(const std::filesystem::path& path) {
+std::string digest_file(const std::filesystem::path& path, std::uintmax_t max_bytes) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw InputError(path.string(), "", "a readable file", std::strerror(errno));
   Sha256 sha;
   std::array<char, 1 << 16> buffer{};
+  std::uintmax_t left = max_bytes;
   while (stream) {
     stream.read(buffer.data(), buffer.size());
+    const auto count = static_cast<std::uintmax_t>(stream.gcount());
+    if (count > left) throw InputError(path.string(), "", fmt::format("at most {} bytes", max_bytes), "more");
+    left -= count;
     sha.update(buffer.data(), static_cast<std::size_t>(stream.gcount()));
   }
   if (stream.bad()) throw InputError(path.string(), "", "a readable file", std::strerror(errno));

@@ -72,11 +72,13 @@ bool names_memory(const std::string& controllers) {
   return ("," + controllers + ",").find(",memory,") != std::string::npos;
 }
 
-std::string format_gibibytes(std::uint64_t bytes) {
-  return fmt::format("{:.1f} GiB", static_cast<double>(bytes) / (1 << 30));
-}
-
 }  // namespace
+
+std::string format_bytes(std::uint64_t bytes) {
+  const double mebibytes = static_cast<double>(bytes) / (1 << 20);
+  return mebibytes < 102.4 ? fmt::format("{:.1f} MiB", mebibytes)
+                           : fmt::format("{:.1f} GiB", mebibytes / 1024);
+}
 
 // Lines of the file are NUMBER:CONTROLLERS:GROUP; version 2 names no controllers.
 std::optional<std::uint64_t> find_group_memory(const fs::path& mount, const fs::path& own) {
@@ -98,14 +100,14 @@ std::optional<std::uint64_t> find_available_memory() {
 
 void with_memory(const std::string& what, std::uint64_t bytes, const std::function<void()>& body) {
   const auto there = find_available_memory();
-  const std::string expected = fmt::format("about {} of memory", format_gibibytes(bytes));
-  if (there && *there < bytes) throw InputError(what, "", expected, format_gibibytes(*there));
+  const std::string expected = fmt::format("about {} of memory", format_bytes(bytes));
+  if (there && *there < bytes) throw InputError(what, "", expected, format_bytes(*there));
   try {
     body();
   } catch (const std::bad_alloc&) {
     throw InputError(what, "", expected,
                      fmt::format("less: an allocation failed with {} free; is there a limit (ulimit -v)?",
-                                 there ? format_gibibytes(*there) : "an unknown amount"));
+                                 there ? format_bytes(*there) : "an unknown amount"));
   }
 }
 

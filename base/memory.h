@@ -19,6 +19,9 @@ std::optional<std::uint64_t> find_available_memory();
 std::optional<std::uint64_t> find_group_memory(const std::filesystem::path& mount,
                                                const std::filesystem::path& own);
 
+/// "3.1 GiB", "20.0 MiB".
+std::string format_bytes(std::uint64_t bytes);
+
 /// Runs `body` if about `bytes` are there. errors: InputError that names `what`, the bytes and what there is,
 /// also where an allocation fails on the way.
 void with_memory(const std::string& what, std::uint64_t bytes, const std::function<void()>& body);

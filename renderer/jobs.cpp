@@ -205,8 +205,7 @@ JobShare parse_job(const std::string& text) {
 
 std::string format_job_folder(const JobShare& job) { return fmt::format("{}-of-{}", job.index, job.count); }
 
-std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& scene, const Wanted& wanted,
-                                             int count) {
+std::map<WorldKey, WorldCosts> estimate_worlds(const Study& study, const Scene& scene, const Wanted& wanted) {
   std::map<WorldKey, WorldCosts> costs;
   const std::vector<Family> references = pick_references(study);
   const auto add = [&](const Object& object) {
@@ -217,7 +216,12 @@ std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& sc
   };
   for (const Family& family : wanted.families) add(family.object);
   for (const Condition& condition : wanted.conditions) add(condition.cell.column.object);
-  return split_work(list_work(costs, wanted), count);
+  return costs;
+}
+
+std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& scene, const Wanted& wanted,
+                                             int count) {
+  return split_work(list_work(estimate_worlds(study, scene, wanted), wanted), count);
 }
 
 void check_folder_of(const Study& study, const StudyFolder& folder) {

@@ -23,6 +23,9 @@ JobShare parse_job(const std::string& text);
 /// The folder of a share: 3-of-16.
 std::string format_job_folder(const JobShare& job);
 
+/// Costs of every world of what is wanted, each made once. errors: InputError for what the scene lacks
+std::map<WorldKey, WorldCosts> estimate_worlds(const Study& study, const Scene& scene, const Wanted& wanted);
+
 /// All shares of what is wanted, the same whatever is on disk. errors: InputError for what the scene lacks
 std::vector<std::vector<WorkItem>> plan_jobs(const Study& study, const Scene& scene, const Wanted& wanted,
                                              int count);

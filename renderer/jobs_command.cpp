@@ -4,11 +4,13 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/memory.h"
 #include "base/program.h"
 #include "base/progress.h"
 #include "renderer/commands.h"
 #include "renderer/jobs.h"
 #include "renderer/set.h"
+#include "renderer/set_space.h"
 #include "renderer/submit.h"
 #include "renderer/timing.h"
 
@@ -34,7 +36,7 @@ std::pair<double, std::string> find_rate(const PlanOptions& options, const Study
 
 // What the folder lacks.
 std::string tell_rest(const PlanOptions& options, const Study& study, const Scene& scene,
-                      const Wanted& wanted, double speed) {
+                      const Wanted& wanted, const std::map<WorldKey, WorldCosts>& costs, double speed) {
   LayerStore store({options.folder}, study);
   const Wanted missing = find_missing(make_recipes(study, scene, wanted), wanted, store);
   const std::string folder = options.folder.string();
@@ -42,8 +44,19 @@ std::string tell_rest(const PlanOptions& options, const Study& study, const Scen
   return fmt::format(
       "Not yet in {}: {} references and {} layers of VPL pictures, foreseen {}{}.\n", folder,
       missing.families.size(), missing.conditions.size(),
-      format_seconds(sum_work(plan_jobs(study, scene, missing, 1).front()) / speed),
+      format_seconds(sum_work(list_work(costs, missing)) / speed),
       has_shares({options.folder}) ? "; it has shares, which are not counted until gathered" : "");
+}
+
+// Where there are more shares than objects in a view the last ones have nothing.
+std::string tell_empty_shares(const std::vector<std::vector<WorkItem>>& jobs) {
+  const auto first =
+      std::find_if(jobs.begin(), jobs.end(), [](const std::vector<WorkItem>& job) { return job.empty(); });
+  if (first == jobs.end()) return "";
+  const auto number = first - jobs.begin() + 1, last = std::ssize(jobs);
+  const std::string which =
+      number == last ? fmt::format("{}/{}", last, last) : fmt::format("{} to {}/{}", number, last, last);
+  return fmt::format("{:<12}{:>12}{:>14}{:>10}  nothing\n", which, 0, 0, "0 s");
 }
 
 int run_plan(const PlanOptions& options) {
@@ -51,27 +64,30 @@ int run_plan(const PlanOptions& options) {
   const Scene scene = load_scene(study.scene_path);
   const Wanted wanted = enumerate_wanted(study, options.only);
   const bool is_own = !options.folder.empty() && load_folder_study({options.folder}).digest == study.digest;
-  const auto jobs = plan_jobs(study, scene, wanted, options.jobs);
+  const auto costs = estimate_worlds(study, scene, wanted);
+  const auto jobs = split_work(list_work(costs, wanted), options.jobs);
   const auto [speed, source] = find_rate(options, study, scene);
   fmt::print("{}: {} references, {} VPL pictures in {} shares\n\n", study.name, wanted.families.size(),
              wanted.conditions.size(), options.jobs);
   fmt::print("{:<12}{:>12}{:>14}{:>10}  {}\n", "job", "references", "VPL pictures", "foreseen", "from, to");
   double longest = 0, sum = 0;
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
+  for (std::size_t i = 0; i < jobs.size() && !jobs[i].empty(); ++i) {
     const Wanted share = join_work(jobs[i]);
     const double seconds = sum_work(jobs[i]) / speed;
     longest = std::max(longest, seconds);
     sum += seconds;
-    fmt::print("{:<12}{:>12}{:>14}{:>10}  {}\n", fmt::format("{}/{}", i + 1, jobs.size()),
+    fmt::print("{:<12}{:>12}{:>14}{:>10}  {}, {}\n", fmt::format("{}/{}", i + 1, jobs.size()),
                share.families.size(), share.conditions.size(), fmt::format("{:.0f} s", seconds),
-               jobs[i].empty()
-                   ? std::string("nothing")
-                   : format_key(jobs[i].front().family) + ", " + format_key(jobs[i].back().family));
+               format_key(jobs[i].front().family), format_key(jobs[i].back().family));
   }
-  fmt::print("\nThe longest {}, all one after another {}; {:.3g} paths a second, {}.\n",
-             format_seconds(longest), format_seconds(sum), speed, source);
+  fmt::print("{}", tell_empty_shares(jobs));
+  fmt::print(
+      "\nThe longest {}, all one after another {}, their pictures {} more; {:.3g} paths a second, {}.\n",
+      format_seconds(longest), format_seconds(sum), format_seconds(cost_of_pictures(study, wanted) / speed),
+      speed, source);
+  fmt::print("All of it takes about {} of a disk.\n", format_bytes(estimate_set_bytes(study, costs, wanted)));
   if (is_own) {
-    fmt::print("{}", tell_rest(options, study, scene, wanted, speed));
+    fmt::print("{}", tell_rest(options, study, scene, wanted, costs, speed));
   } else if (!options.folder.empty()) {
     fmt::print("{} is the folder of another study: its layers are not looked at.\n", options.folder.string());
   }

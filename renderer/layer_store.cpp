@@ -41,6 +41,14 @@ void check_origin(const ExrMetadata& metadata, const std::string& name, const st
   }
 }
 
+// Layers of older programs do not say it.
+void check_vpl_count(const ExrMetadata& metadata, const LayerRecord& layer, const fs::path& path) {
+  const auto found = metadata.find("equilux_vpl_count");
+  if (found == metadata.end() || found->second == fmt::format("{}", layer.vpl_count)) return;
+  throw InputError(path.string(), "equilux_vpl_count", fmt::format("{}, as in layers.json", layer.vpl_count),
+                   found->second);
+}
+
 }  // namespace
 
 LayerStore::LayerStore(StudyFolder folder, const Study& study)
@@ -94,7 +102,7 @@ bool LayerStore::is_whole(const std::string& name, const std::string& recipe) {
 bool LayerStore::has_digest(const std::string& name, const LayerRecord& layer) {
   const fs::path path = folder_.root / layer.file;
   try {  // the boundary to making it again
-    return is_file(path) && digest_file(path) == layer.digest;
+    return is_file(path) && digest_file(path, most_file_bytes({width_, height_})) == layer.digest;
   } catch (const InputError& error) {
     unreadable_[name] = error.what();
     return false;
@@ -154,12 +162,14 @@ HdrImage LayerStore::load(const std::string& name) const {
   const LayerRecord& layer = record(name);
   const fs::path path = folder_.root / layer.file;
   if (!is_file(path)) throw InputError(path.string(), "", "an EXR file", "no such file");
-  if (const std::string digest = digest_file(path); digest != layer.digest) {
+  if (const std::string digest = digest_file(path, most_file_bytes({width_, height_}));
+      digest != layer.digest) {
     throw InputError(path.string(), "",
                      fmt::format("the file recorded in layers.json, digest {}", layer.digest), digest);
   }
   ExrFile file = load_exr(path, PixelSize{width_, height_});
   check_origin(file.metadata, name, layer.made_from, path);
+  check_vpl_count(file.metadata, layer, path);
   HdrImage image = std::move(file.image);
   const int channels = name.ends_with(".coverage") ? 1 : 3;
   if (image.channels != channels)

@@ -1,11 +1,15 @@
 // timing.json, read.
-#include <cmath>
-
 #include "base/error.h"
 #include "base/files.h"
 #include "renderer/timing.h"
 
 namespace equilux {
+namespace {
+
+// Of any machine. units: paths / s
+constexpr double kSlowest = 1, kFastest = 1e12;
+
+}  // namespace
 
 Json load_timing(const StudyFolder& folder) {
   if (!path_exists(folder.timing())) return Json(Json::Array{});
@@ -32,7 +36,7 @@ std::optional<double> find_speed(const StudyFolder& folder) {
   }
   // Files can be edited.
   const double speed = time > 0 ? work / time : 0;
-  if (!std::isfinite(speed) || !(speed > 0)) return {};
+  if (!(speed >= kSlowest) || !(speed <= kFastest)) return {};
   return speed;
 }
 

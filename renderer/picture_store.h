@@ -54,6 +54,7 @@ class PictureStore {
 
   void take_earlier(const Study& study);
   const PictureRecord* find(const std::string& key) const;
+  bool has_digest(const std::filesystem::path& path, const std::string& digest) const;
 
   StudyFolder folder_;
   bool is_doubted_;

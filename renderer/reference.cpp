@@ -17,9 +17,9 @@ constexpr double kPathsForOneStepOutside = 4700;
 
 // Work of compensated VPL sets over that of path tracing, of a black object and more for what its gloss
 // reflects, and of their pilots whatever the object's size. Measured in the café.
-constexpr double kCompensatedShare = 0.0274, kShareOfGloss = 0.205, kSetPilots = 3e6;
-// The same of the room, whose sets cost something at every pixel whatever the target.
-constexpr double kCompensatedRoom = 0.082, kRoomSets = 204;
+constexpr double kCompensatedShare = 0.0274, kShareOfGloss = 0.205, kSetPilots = 3.4e6;
+// The same of the room, whose sets cost something at every pixel whatever the target, and more by themselves.
+constexpr double kCompensatedRoom = 0.082, kRoomSets = 225, kRoomPilots = 2e6;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;
@@ -147,19 +147,19 @@ ReferenceParams make_reference_params(const Study& study, const Scene& scene, co
 
 namespace {
 
-double guess_background_paths(const ReferenceParams& params, const Primary& primary) {
-  const double traced = count_room_paths(primary, guess_maps(params, primary).background);
+double guess_background_paths(const ReferenceParams& params, const Primary& primary, double pixels = 1) {
+  const double traced = pixels * count_room_paths(primary, guess_maps(params, primary).background);
   if (params.fixed || params.method != ReferenceMethod::kCompensated) return traced;
   const PathMap one(primary.hits.size() / static_cast<std::size_t>(primary.positions), 1);
-  const double pixels = count_room_paths(primary, one) / (kBatches * primary.positions);
-  return std::min(traced, kCompensatedRoom * traced + kRoomSets * pixels);
+  const double outside = pixels * count_room_paths(primary, one) / (kBatches * primary.positions);
+  return std::min(traced, kCompensatedRoom * traced + kRoomSets * outside + kRoomPilots);
 }
 
 }  // namespace
 
-double estimate_background_paths(const ReferenceParams& params, const Primary& primary) {
-  const double work = guess_background_paths(params, primary);
-  return params.fixed ? work : work + count_paths(primary, make_pilot_maps(primary));
+double estimate_background_paths(const ReferenceParams& params, const Primary& primary, double pixels) {
+  const double work = guess_background_paths(params, primary, pixels);
+  return params.fixed ? work : work + pixels * count_paths(primary, make_pilot_maps(primary));
 }
 
 double estimate_object_paths(const ReferenceParams& params, const Primary& primary, double pixels) {

@@ -35,7 +35,7 @@ ReferenceParams make_reference_params(const Study& study, const Scene& scene, co
 
 /// Work that the room and an object of one material are likely to report; exact where the counts are fixed.
 /// `pixels`: for which each of the primary's stands. units: paths
-double estimate_background_paths(const ReferenceParams& params, const Primary& primary);
+double estimate_background_paths(const ReferenceParams& params, const Primary& primary, double pixels = 1);
 double estimate_object_paths(const ReferenceParams& params, const Primary& primary, double pixels = 1);
 
 /// The room of one geometry, illumination and view. It is made alike whatever the object is made of: its

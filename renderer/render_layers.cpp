@@ -9,6 +9,7 @@
 #include "renderer/reference.h"
 #include "renderer/reference_record.h"
 #include "renderer/set_memory.h"
+#include "renderer/set_space.h"
 #include "renderer/shade.h"
 #include "renderer/stopwatch.h"
 #include "renderer/vpl.h"
@@ -30,12 +31,6 @@ std::map<WorldKey, Wanted> group_layers(const Wanted& missing) {
   return groups;
 }
 
-// Of all groups together.
-struct WorkCounts {
-  std::size_t all_references = 0, all_layers = 0;
-  std::size_t references = 0, layers = 0;  // that are whole
-};
-
 // Particles, by VPL count.
 using PathsByCount = std::map<std::int64_t, std::int64_t>;
 
@@ -44,6 +39,7 @@ struct GroupJob {
   const Study& study;
   const Scene& scene;
   const World& world;
+  const WorldCosts& costs;
   const PathsByCount& paths;
   LayerStore& store;
   Progress& progress;
@@ -92,6 +88,7 @@ void save_family(const GroupJob& job, const Primary& primary, const Family& fami
                    std::move(reference));
   }
   job.store.save_group();
+  job.progress.advance(job.costs.layer * std::size(kFamilyContents));
   ++job.counts.references;
 }
 
@@ -256,6 +253,7 @@ void save_vpl_layers(const VplJob& job, const ViewJob& view, const std::string& 
                      {{"equilux_clamp_per_m2", fmt::format("{}", clamp_per_m2(levels[level]))},
                       {"equilux_vpl_count", fmt::format("{}", record.count)}},
                      record);
+    group.progress.advance(group.costs.layer);
     ++group.counts.layers;
   }
 }
@@ -275,20 +273,23 @@ void render_plain_sums(const VplJob& job, const ViewJob& view, const PlainVpls& 
   std::vector<Material> materials;
   for (const auto& [material, some] : wanted)
     materials.push_back(make_material(find_material(group.scene, material)));
-  const auto shade = [&](const VplList& list, const std::vector<Material>& of, double cost) {
-    const LoggedWork work(
-        group, "VPL shading",
-        fmt::format("plain sums {}-{}-{}-v{} of {}", job.key.geometry,
-                    format_illumination(job.key.illumination), format_vpl_count(job.vpl_count), view.view,
-                    count_materials(of.size())));
+  const auto shade = [&](const std::string& what, const VplList& list, const std::vector<Material>& of,
+                         double cost) {
+    const LoggedWork work(group, "VPL shading", what);
     return shade_all_vpls(group.world, view.points, list, of, clamps,
                           [&](double pairs) { group.progress.advance(cost * pairs); });
   };
-  const ShadedPoints shared = shade(vpls.shared, materials, kPairCost);
+  const ShadedPoints shared =
+      shade(fmt::format("plain sums {}-{}-{}-v{} of {}", job.key.geometry,
+                        format_illumination(job.key.illumination), format_vpl_count(job.vpl_count), view.view,
+                        count_materials(materials.size())),
+            vpls.shared, materials, kPairCost);
   std::size_t index = 0;
   for (const auto& [material, some] : wanted) {
     const VplList& list = vpls.own.at(material);
-    const ShadedPoints own = shade(list, {materials[index]}, 0);
+    const ShadedPoints own =
+        shade(fmt::format("{}-v{} of its own", job.name("plain sums", material), view.view), list,
+              {materials[index]}, 0);
     Json record;
     record.set("method", "plain sum").set("shadow_rays", shared.rays + own.rays);
     const VplRecord told{static_cast<std::int64_t>(vpls.shared.size() + list.size()), std::move(record), {}};
@@ -339,7 +340,10 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
   const std::vector<int> levels = traversed_levels(group.study);
   const std::vector<double> clamps = clamps_of(levels);
   const Material material = make_material(find_material(group.scene, name));
-  const auto advance = [&](double points) { group.progress.advance(cost_of_cut(job.vpl_count) * points); };
+  const auto all = std::max(1.0, static_cast<double>(view.points.size()));
+  const auto advance = [&](double points) {
+    group.progress.advance(cost_of_cuts(job.vpl_count, all) * points / all);
+  };
   const auto shade = [&] {
     const std::string what =
         fmt::format("{}-v{} at {} levels", job.name("cuts", name), view.view, levels.size());
@@ -468,19 +472,23 @@ GroupCosts survey_groups(const Study& study, const Scene& scene, const std::map<
 
 }  // namespace
 
-double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, LayerStore& store,
-                     WorkLog& log, std::map<std::string, double>& seconds) {
+double render_layers(const Recipes& recipes, const Scene& scene, const Wanted& missing, WorkCounts counts,
+                     LayerStore& store, WorkLog& log, std::map<std::string, double>& seconds) {
   const Study& study = recipes.study;
   check_memory(study, missing);
   const auto groups = group_layers(missing);
   WorldShelf worlds(scene, seconds["worlds"]);
   const GroupCosts costs = survey_groups(study, scene, groups, worlds, seconds["worlds"]);
+  check_space(store.folder().root, estimate_set_bytes(study, costs.work, missing));
+  check_same_files(recipes, scene);  // what was looked at is what layers are recorded to be made from
   const double work = sum_work(list_work(costs.work, missing));
   Progress progress("rendering", work);
-  WorkCounts counts{missing.families.size(), missing.conditions.size()};
   for (const auto& [key, group] : groups) {
-    const GroupJob job{recipes, study, scene, worlds.take(key), costs.paths.at(key), store, progress,
-                       seconds, log,   counts};
+    const GroupJob job{
+        recipes, study, scene, worlds.take(key), costs.work.at(key), costs.paths.at(key), store, progress,
+        seconds, log,   counts};
+    job.tell("the world of " + job.world.name());
+    progress.advance(job.costs.world);
     render_group(job, key, group);
   }
   return work;

@@ -204,12 +204,19 @@ class SetMaker {
     }
   }
 
+  WorkCounts count_work(const Wanted& missing) const {
+    const std::size_t references = wanted_.families.size(), layers = list_layers(recipes_, wanted_).size() -
+                                                                     references * std::size(kFamilyContents);
+    return {references, layers, references - missing.families.size(), layers - missing.conditions.size()};
+  }
+
   void render_missing(const StudyFolder& own, const Wanted& missing, LayerStore& store) {
     summary_.layers_rendered =
         missing.families.size() * std::size(kFamilyContents) + missing.conditions.size();
     WorkLog log(own);
     try {
-      timing_.work = render_layers(recipes_, scene_, missing, store, log, timing_.seconds);
+      timing_.work =
+          render_layers(recipes_, scene_, missing, count_work(missing), store, log, timing_.seconds);
     } catch (const WorkCancelled&) {
       store.save_record();
       throw;
@@ -249,6 +256,7 @@ SetSummary tonemap_set(const fs::path& root, const std::string& only) {
   check_own_folders(folder);
   find_verdict(folder);  // damaged, it is said before the first write
   const auto lock = lock_folder(root);
+  make_folder(folder.picture_folder());
   LayerStore store(folder, study);
   if (path_exists(folder.pending_layers())) store.save_record();
   const bool is_changing = !find_change_mark(folder).empty();
@@ -265,6 +273,38 @@ bool is_within_limits(const SetSummary& summary) {
   return summary.missed.empty() && summary.findings.empty();
 }
 
+namespace {
+
+std::string tell_noise(const SetSummary& summary) {
+  if (summary.noise.empty()) return "";  // a share, which makes no pictures
+  const NoiseTarget& target = summary.target;
+  std::string text =
+      fmt::format("\nStandard error of the references in steps of 255; target {:.1f}, {:.1f}, {:.1f}\n",
+                  target.object_mean, target.object_p99, target.outside_mean);
+  text += fmt::format("{:<22}{:>12}{:>12}{:>14}\n", "reference", "object mean", "object p99", "outside mean");
+  for (const auto& [key, noise] : summary.noise) {
+    const char* missed = summary.fixes_paths ? "over, not held to it: the study fixes its paths" : "MISSED";
+    text += fmt::format("{:<22}{:>12.2f}{:>12.2f}{:>14.2f}  {}\n", key, noise.object_mean, noise.object_p99,
+                        noise.outside_mean, meets_target(noise, target) ? "MET" : missed);
+  }
+  return text;
+}
+
+std::string tell_cut_errors(const SetSummary& summary) {
+  if (summary.cut_errors.empty()) return "";
+  std::string text = fmt::format(
+      "\nError of lightcuts at the points drawn, per cent of the "
+      "luminance\n{:<22}{:>12}{:>12}{:>12}{:>14}\n",
+      "VPLs", "points", "rms", "p99", "max");
+  for (const auto& [count, error] : summary.cut_errors) {
+    text += fmt::format("{:<22}{:>12}{:>12.2f}{:>12.2f}{:>14.2f}\n", format_vpl_count(count), error.points,
+                        100 * error.rms, 100 * error.p99, 100 * error.max);
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string format_summary(const SetSummary& summary) {
   std::string text = fmt::format("{} pictures, {} written now, {} layers rendered now", summary.pictures,
                                  summary.pictures_written, summary.layers_rendered);
@@ -277,25 +317,7 @@ std::string format_summary(const SetSummary& summary) {
     text += fmt::format("{:<14}{:>10.1f}\n{:<14}{:>10.2f} GiB\n", "processors", summary.processor_seconds,
                         "peak memory", summary.peak_memory / (1 << 30));
   }
-  const NoiseTarget& target = summary.target;
-  text += fmt::format("\nStandard error of the references in steps of 255; target {:.1f}, {:.1f}, {:.1f}\n",
-                      target.object_mean, target.object_p99, target.outside_mean);
-  text += fmt::format("{:<22}{:>12}{:>12}{:>14}\n", "reference", "object mean", "object p99", "outside mean");
-  for (const auto& [key, noise] : summary.noise) {
-    const char* missed = summary.fixes_paths ? "over, not held to it: the study fixes its paths" : "MISSED";
-    text += fmt::format("{:<22}{:>12.2f}{:>12.2f}{:>14.2f}  {}\n", key, noise.object_mean, noise.object_p99,
-                        noise.outside_mean, meets_target(noise, target) ? "MET" : missed);
-  }
-  if (!summary.cut_errors.empty()) {
-    text += fmt::format(
-        "\nError of lightcuts at the points drawn, per cent of the "
-        "luminance\n{:<22}{:>12}{:>12}{:>12}{:>14}\n",
-        "VPLs", "points", "rms", "p99", "max");
-    for (const auto& [count, error] : summary.cut_errors) {
-      text += fmt::format("{:<22}{:>12}{:>12.2f}{:>12.2f}{:>14.2f}\n", format_vpl_count(count), error.points,
-                          100 * error.rms, 100 * error.p99, 100 * error.max);
-    }
-  }
+  text += tell_noise(summary) + tell_cut_errors(summary);
   for (const std::string& warning : summary.warnings) text += "warning: " + warning + "\n";
   for (const std::string& missed : summary.missed) text += "beyond its limit: " + missed + "\n";
   if (!summary.missed.empty())

@@ -1,11 +1,27 @@
 // equilux-render set, tonemap: the pictures of a study.
 #include <fmt/format.h>
 
+#include "base/error.h"
 #include "base/program.h"
 #include "renderer/commands.h"
 #include "renderer/set.h"
 
 namespace equilux {
+namespace {
+
+CLI::Validator is_share() {
+  const auto check = [](const std::string& text) {
+    try {
+      parse_job(text);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  return CLI::Validator(check, "I/N");
+}
+
+}  // namespace
 
 void add_set(CLI::App& app, CommandLine& line) {
   auto params = std::make_shared<SetParams>();
@@ -16,7 +32,8 @@ void add_set(CLI::App& app, CommandLine& line) {
   set->add_option("--only", params->only, "Glob over keys of pictures and references");
   auto job = std::make_shared<std::string>();
   CLI::Option* share =
-      set->add_option("--job", *job, "Render this share alone, such as 3/16; `gather` puts them together");
+      set->add_option("--job", *job, "Render this share alone, such as 3/16; `gather` puts them together")
+          ->check(is_share());
   set->add_option("--reuse", params->reuse, "Study folders whose layers may be taken over");
   add_machine(*set, line);
   set->footer("Example: equilux-render set protocols/pocket.json --out studies/pocket --only 'G0-MS-*'");

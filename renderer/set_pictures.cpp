@@ -33,16 +33,6 @@ Json make_json(const DisplayNoise& noise) {
   return json;
 }
 
-// What is known of the VPL layer that a picture shows, before any normalisation.
-Json tell_vpls(const LayerStore& store, const std::string& name) {
-  const LayerRecord& layer = store.record(name);
-  if (layer.vpls.is_null()) return {};
-  Json json;
-  json.set("layer", name).set("count", layer.vpl_count);
-  for (const auto& [member, value] : layer.vpls.as_object()) json.set(member, value);
-  return json;
-}
-
 // The errors measured of all pictures by cuts, pooled over levels and materials.
 void pool_errors(const LayerStore& store, const std::vector<Condition>& conditions, SetSummary& summary) {
   std::map<std::int64_t, std::map<std::string, const Json*>> pools;  // by count, then by layer
@@ -113,17 +103,9 @@ struct WantedPicture {
   std::function<HdrImage()> make_indirect;
 };
 
-// How its object and its room were made.
-Json tell_reference(const LayerStore& store, const Family& family) {
-  Json reference = store.record(layer_name(family, "indirect")).reference;
-  const Json& room = store.record(layer_name(family, "background")).reference;
-  if (!reference.is_null() && !room.is_null()) reference.set("room", room);
-  return reference;
-}
-
 std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const LayerStore& store,
                                          const Family& family, const std::vector<Condition>& conditions) {
-  const Json reference = tell_reference(store, family);
+  const Json reference = tell_picture_reference(store.records(), family);
   const ToneRecord& tone = loaded.tone.record;
   std::vector<WantedPicture> pictures{
       {format_key(family),
@@ -132,7 +114,7 @@ std::vector<WantedPicture> list_pictures(const LoadedFamily& loaded, const Layer
        [&] { return loaded.indirect; }}};
   for (const Condition& condition : conditions) {
     const std::string layer = vpl_layer_name(condition);
-    const Json vpls = tell_vpls(store, layer);
+    const Json vpls = tell_picture_vpls(store.records(), condition);
     pictures.push_back({format_key(condition),
                         layer,
                         {"", "", digest_picture(store.records(), tone, condition), {}, {}, vpls},

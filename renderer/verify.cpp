@@ -16,6 +16,7 @@
 #include "renderer/parallel.h"
 #include "renderer/record_check.h"
 #include "stimuli/change_mark.h"
+#include "stimuli/origin.h"
 #include "stimuli/png_file.h"
 
 namespace equilux {
@@ -142,10 +143,19 @@ class FamilyVerifier {
         add(key, fmt::format("its {} in the manifest is {}, of its layers {}", member, recorded->as_double(),
                              value));
     }
+    if (error.is_null()) add(key, "its standard error is not in the manifest");
+    verify_record(key, record->second.reference, tell_picture_reference(set_.store.records(), family_));
     shown_ = load_shown(record->second);
     if (!shown_) return;
     if (shown_->values != compose_picture(*loaded_, loaded_->indirect, key + ".indirect").values)
       add(key, "the picture is not that of its layers");
+  }
+
+  void verify_record(const std::string& key, const Json& recorded, const Json& meant) {
+    if (recorded != meant)
+      add(key,
+          "what the manifest tells of its making is not what layers.json tells; `equilux-render tonemap` "
+          "writes it anew");
   }
 
   void verify_condition(const Condition& condition) {
@@ -159,6 +169,7 @@ class FamilyVerifier {
       light_[condition.cell.column][condition.cell.clamp_level] = sum_light(layer);
     const auto record = set_.manifest.pictures.find(key);
     if (record == set_.manifest.pictures.end()) return;
+    verify_record(key, record->second.vpls, tell_picture_vpls(set_.store.records(), condition));
     const auto picture = load_shown(record->second);
     if (!picture) return;
     if (picture->values != compose_picture(*loaded_, layer, name).values)
@@ -264,6 +275,21 @@ std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& stu
   return verify_pictures(folder, study, manifest, list_pictures(study, manifest));
 }
 
+// Of a folder with layers, whatever they are.
+std::vector<Finding> verify_layer_heads(const StudyFolder& folder, const Study& study) {
+  if (!path_exists(folder.layers())) return {};
+  const Layers layers = load_layers(folder.layers());
+  std::vector<Finding> findings;
+  if (layers.study_name != study.name)
+    findings.push_back(
+        {folder.layers().string(),
+         fmt::format("of the study \"{}\", where study.json has \"{}\"", layers.study_name, study.name)});
+  if (layers.seed != study.seed)
+    findings.push_back(
+        {folder.layers().string(), fmt::format("seed {}, where the study has {}", layers.seed, study.seed)});
+  return findings;
+}
+
 }  // namespace
 
 Verification verify_set(const fs::path& root, const std::optional<fs::path>& study_path) {
@@ -276,6 +302,7 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
       enumerate_references(study).size() * std::size(kFamilyContents) + enumerate_conditions(study).size();
   auto& findings = verification.findings;
   findings = verify_manifest(folder, study);
+  for (Finding& head : verify_layer_heads(folder, study)) findings.push_back(std::move(head));
   for (Finding& change : find_change_mark(folder)) findings.push_back(std::move(change));
   if (study.paths)
     verification.notes.push_back(

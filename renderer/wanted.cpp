@@ -106,6 +106,17 @@ Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wante
   return recipes;
 }
 
+void check_same_files(const Recipes& recipes, const Scene& scene) {
+  MeshDigests digests;
+  for (const auto& [object, part] : recipes.scene_parts) {
+    if (digest_scene_part(scene, object, true, &digests) != part)
+      throw InputError(scene.path.string(), "/meshes",
+                       "files that stay as they are while a set is rendered; running it again goes on",
+                       fmt::format("other files of {}-{} than at the start", object.geometry,
+                                   format_illumination(object.illumination)));
+  }
+}
+
 bool is_summed_plainly(std::int64_t vpl_count) { return vpl_count <= kMostPlainVpls; }
 
 std::string digest_family_recipe(const Recipes& recipes, const Family& family) {

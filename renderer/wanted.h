@@ -41,6 +41,9 @@ void check_has_light(const Scene& scene, Illumination illumination);
 /// Reads every mesh file that these objects need, once. errors: InputError for what the scene lacks.
 Recipes make_recipes(const Study& study, const Scene& scene, const Wanted& wanted);
 
+/// That the mesh files are still those of the recipes. errors: InputError; as make_recipes
+void check_same_files(const Recipes& recipes, const Scene& scene);
+
 std::string digest_family_recipe(const Recipes& recipes, const Family& family);
 std::string digest_vpl_recipe(const Recipes& recipes, const Condition& condition);
 

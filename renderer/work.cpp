@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "renderer/batches.h"
+#include "renderer/parallel.h"
 #include "renderer/reference.h"
 #include "renderer/stopwatch.h"
 
@@ -19,6 +20,8 @@ constexpr int kBisections = 50;
 void add_costs(const WorldCosts& costs, WorkItem& item) {
   const std::string world =
       item.family.object.geometry + "-" + format_illumination(item.family.object.illumination);
+  item.shared[world] = costs.world;
+  item.own += costs.layer * static_cast<double>(item.conditions.size());
   std::set<std::int64_t> counts;
   for (const Condition& condition : item.conditions) counts.insert(condition.cell.column.vpl_count);
   for (const std::int64_t count : counts) {
@@ -29,11 +32,12 @@ void add_costs(const WorldCosts& costs, WorkItem& item) {
     if (is_summed_plainly(count)) {
       item.shared[fmt::format("{}-v{}", key, item.family.view)] = kPairCost * vpls * costs.points;
     } else {
-      item.own += cost_of_cut(count) * costs.points + cost_of_measuring(count);
+      item.own += cost_of_cuts(count, costs.points) + cost_of_measuring(count);
     }
   }
   if (item.has_reference) {
     item.own += costs.object.at(item.family.object.material);
+    item.own += costs.layer * std::size(kFamilyContents);
     item.shared[fmt::format("{}-room-v{}", world, item.family.view)] = costs.room;
   }
 }
@@ -91,10 +95,13 @@ std::vector<std::size_t> fill_runs(const PricedWork& all, double most) {
 
 }  // namespace
 
-double cost_of_cut(std::int64_t vpls) { return 55 * std::pow(static_cast<double>(vpls) / 1e5, 0.15); }
+double cost_of_cuts(std::int64_t vpls, double points) {
+  if (!(points > 0)) return 0;
+  return 57 * std::pow(static_cast<double>(vpls) / 1e5, 0.1) * std::pow(points / 2.6e5, -0.26) * points;
+}
 
 // Points against all VPLs, and what comes with any.
-double cost_of_measuring(std::int64_t vpls) { return 1.3e6 + 1.15 * static_cast<double>(vpls); }
+double cost_of_measuring(std::int64_t vpls) { return 2.3e6 + 1.5 * static_cast<double>(vpls); }
 
 WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }
 
@@ -114,12 +121,15 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
   for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
   const double pixels =
       static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
+  const double all_pixels = static_cast<double>(study.width) * study.height;
   WorldCosts costs;
+  costs.layer = kLayerCost + kLayerPixelCost * all_pixels;
+  costs.world = kWorldCost + kWorldTriangleCost * static_cast<double>(world.triangle_count());
   costs.points = pixels * object * study.subpixel_positions;
   for (const Family& family : references) {
     const ReferenceParams params = make_reference_params(study, scene, family);
     costs.object[family.object.material] = estimate_object_paths(params, small, pixels);
-    if (costs.room == 0) costs.room = pixels * estimate_background_paths(params, small);
+    if (costs.room == 0) costs.room = estimate_background_paths(params, small, pixels);
   }
   return costs;
 }
@@ -127,7 +137,8 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
 double measure_speed(const Study& study, const Scene& scene) {
   constexpr double kEnough = 0.5;  // s
   constexpr int kMostPaths = 1 << 16;
-  constexpr double kUsual = 1e6;  // where the camera sees nothing that could be timed
+  constexpr double kWholePictures = 1.07;  // whose paths are faster than those of a few pixels
+  constexpr double kUsual = 1e6;           // where the camera sees nothing that could be timed
   const Object object = enumerate_objects(study).front();
   const World world = make_world(scene, object.geometry, object.illumination);
   const Materials materials = make_materials(world, find_material(scene, object.material));
@@ -136,11 +147,11 @@ double measure_speed(const Study& study, const Scene& scene) {
   for (int paths = kBatches; paths <= kMostPaths && seconds < kEnough; paths *= 4) {
     const PathMaps maps = make_fixed_maps(primary, {paths, paths, paths});
     traced = count_paths(primary, maps);
-    seconds = 0;
-    const Stopwatch watch(seconds);
+    const double before = measure_processor_seconds();
     trace_layers({world, materials, primary}, maps, study.seed, "speed", {}, [](double) {});
+    seconds = (measure_processor_seconds() - before) / count_threads();
   }
-  return traced > 0 && seconds > 0 ? traced / seconds : kUsual;
+  return traced > 0 && seconds > 0 ? kWholePictures * traced / seconds : kUsual;
 }
 
 std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted) {
@@ -160,6 +171,12 @@ std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, con
   std::stable_sort(items.begin(), items.end(),
                    [&](const WorkItem& a, const WorkItem& b) { return order(a) < order(b); });
   return items;
+}
+
+double cost_of_pictures(const Study& study, const Wanted& wanted) {
+  const double pixels = static_cast<double>(study.width) * study.height;
+  return (kPictureCost + kPicturePixelCost * pixels) *
+         static_cast<double>(wanted.conditions.size() + wanted.families.size());
 }
 
 double sum_work(const std::vector<WorkItem>& items) {

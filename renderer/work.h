@@ -15,9 +15,15 @@ namespace equilux {
 /// Costs in units of a path, measured on the café: a pair of point and VPL, a VPL with its share of the tree.
 inline constexpr double kPairCost = 0.02, kVplCost = 0.57;
 
-/// The same of a point's cut at all levels, and of the measuring of a layer's error.
-double cost_of_cut(std::int64_t vpls);
+/// The same of the cuts of an object's points at all levels, and of the measuring of their error. Points of
+/// small pictures lie further apart, so that less is shared.
+double cost_of_cuts(std::int64_t vpls, double points);
 double cost_of_measuring(std::int64_t vpls);
+
+/// Of making a world, twice: a set looks at all before it renders; and of writing an EXR layer, a PNG picture
+/// and what a reference's picture takes more. units: paths; `...Pixel`, `...Triangle`: paths each
+inline constexpr double kWorldCost = 6e5, kWorldTriangleCost = 1.2, kLayerCost = 4e3, kLayerPixelCost = 0.19,
+                        kPictureCost = 3e3, kPicturePixelCost = 0.33;
 
 /// Of a material's VPLs those that are its own: on the object, or after it.
 inline constexpr double kOwnVpls = 0.3;
@@ -36,6 +42,8 @@ struct WorldCosts {
   double points = 0;  ///< of the object in a view, all subpixel positions; a number, no cost
   std::map<std::string, double> object;  ///< a reference's, by material
   double room = 0;                       ///< the backgrounds of a view
+  double layer = 0;                      ///< the writing of a layer
+  double world = 0;                      ///< its making
 };
 
 /// A reference of each material, to estimate costs by.
@@ -44,11 +52,12 @@ std::vector<Family> pick_references(const Study& study);
 WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& world,
                           const std::vector<Family>& references);
 
-/// Of this machine, now: a second of path tracing in the study's first world. units: paths / s
+/// Of this machine: half a second of path tracing in the study's first world, of processors, so that it is
+/// the speed without what else is running now. units: paths / s
 double measure_speed(const Study& study, const Scene& scene);
 
 /// An object in a view: the least that is rendered together, since cuts need the reference. `shared` is paid
-/// once where several items have it: VPL sets and the backgrounds of a view. units: paths
+/// once where several items have it: worlds, VPL sets and the backgrounds of a view. units: paths
 struct WorkItem {
   Family family;
   bool has_reference = false;  ///< it is to be rendered, not only read
@@ -60,6 +69,9 @@ struct WorkItem {
 /// In the order of work: by world, view and material. shape of `costs`: every world of `wanted`. References
 /// of conditions that `wanted.families` lacks are on disk.
 std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted);
+
+/// Of tone mapping and writing the pictures, which no share does.
+double cost_of_pictures(const Study& study, const Wanted& wanted);
 
 /// What is shared counts once.
 double sum_work(const std::vector<WorkItem>& items);

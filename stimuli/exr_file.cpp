@@ -179,6 +179,11 @@ HdrImage make_image(const Imf::Header& header, std::uintmax_t file_bytes, std::o
   for (const char* name : channel_names(channels)) {
     if (!header.channels().findChannel(name)) throw InputError(source, "channels", "R, G, B, or Y", "others");
   }
+  int all = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) ++all;
+  if (wanted && all > channels)
+    throw InputError(source, "channels", fmt::format("R, G, B, or Y, and no more: {}", channels),
+                     fmt::format("{}", all));
   return HdrImage(static_cast<int>(width), static_cast<int>(height), channels);
 }
 

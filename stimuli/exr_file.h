@@ -19,7 +19,8 @@ struct ExrFile {
 
 /// Reads channels R, G, B, or Y alone, of one part in scan lines, compressed without loss. errors: InputError
 /// for a missing, damaged, other or larger than 16,384 x 16,384 file, for one that declares more pixels than
-/// its bytes can hold, for one of another size than is asked for, and for values that are not finite.
+/// its bytes can hold, for values that are not finite, and, where a size is asked for, for another size or
+/// more channels.
 ExrFile load_exr(const std::filesystem::path& path, std::optional<PixelSize> size = {});
 
 /// 32-bit float, ZIP. The same picture and metadata always give the same bytes. A value that is not finite is

@@ -40,4 +40,21 @@ std::string digest_picture(const LayerRecords& layers, const ToneRecord& tone, c
   return digest_text(tell_family(layers, tone, family_of(condition)) + " " + tell_vpls(layers, condition));
 }
 
+Json tell_picture_reference(const LayerRecords& layers, const Family& family) {
+  Json reference = layers.at(layer_name(family, "indirect")).reference;
+  const Json& room = layers.at(layer_name(family, "background")).reference;
+  if (!reference.is_null() && !room.is_null()) reference.set("room", room);
+  return reference;
+}
+
+Json tell_picture_vpls(const LayerRecords& layers, const Condition& condition) {
+  const std::string name = vpl_layer_name(condition);
+  const LayerRecord& layer = layers.at(name);
+  if (layer.vpls.is_null()) return {};
+  Json json;
+  json.set("layer", name).set("count", layer.vpl_count);
+  for (const auto& [member, value] : layer.vpls.as_object()) json.set(member, value);
+  return json;
+}
+
 }  // namespace equilux

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <png.h>
 
 #include "base/error.h"
@@ -26,13 +27,14 @@ struct PngImage : png_image {
 }  // namespace
 
 PixelSize load_png_size(const std::filesystem::path& path) {
+  if (!is_file(path)) return {};  // a pipe would be waited for
   std::array<unsigned char, 24> head{};
   std::ifstream file(path, std::ios::binary);
-  if (!is_file(path) || !file.read(reinterpret_cast<char*>(head.data()), head.size())) return {};
+  if (!file.read(reinterpret_cast<char*>(head.data()), head.size())) return {};
   const auto number = [&](std::size_t at) {
     const std::uint32_t value = std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
                                 std::uint32_t{head[at + 2]} << 8 | head[at + 3];
-    return value > kMaxSide ? 0 : static_cast<int>(value);
+    return value > std::numeric_limits<int>::max() ? 0 : static_cast<int>(value);
   };
   return {number(16), number(20)};
 }

@@ -30,6 +30,14 @@ TEST(Digest, OfAFileIsThatOfItsBytesAtAnySize) {
   }
 }
 
+TEST(Digest, OfAFileLargerThanItMayBeIsAnError) {
+  const TempFolder folder;
+  const auto file = folder.write("file", std::string(65537, 'a'));
+  EXPECT_EQ(digest_file(file, 65537), digest_file(file));
+  EXPECT_THAT(message_of<InputError>([&] { digest_file(file, 65536); }),
+              HasSubstr("expected at most 65536 bytes, got more"));
+}
+
 TEST(Digest, OfAMissingFileOrAFolderIsAnErrorThatNamesIt) {
   const TempFolder folder;
   const auto missing = folder / "missing";

@@ -60,5 +60,12 @@ TEST_F(GroupMemory, IsUnknownWithoutALimitOrGroups) {
   EXPECT_FALSE(find("0::/\n"));
 }
 
+TEST(FormatBytes, TellsMebibytesWhereThereIsNoTenthOfAGibibyte) {
+  EXPECT_EQ(format_bytes(0), "0.0 MiB");
+  EXPECT_EQ(format_bytes(std::uint64_t{20} << 20), "20.0 MiB");
+  EXPECT_EQ(format_bytes(std::uint64_t{103} << 20), "0.1 GiB");
+  EXPECT_EQ(format_bytes((std::uint64_t{7} << 30) / 2), "3.5 GiB");
+}
+
 }  // namespace
 }  // namespace equilux

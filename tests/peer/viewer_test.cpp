@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 #include <sstream>
 
+#include "base/error.h"
 #include "renderer/set.h"
 #include "stimuli/exr_file.h"
 #include "tests/renderer/tiny_study.h"
+#include "tests/support/failures.h"
 #include "tests/support/shell.h"
+#include "tests/support/temp_folder.h"
 
 namespace equilux {
 namespace {
@@ -54,6 +57,22 @@ TEST(Viewer, SeesALayersNamesUnitsAndLight) {
     EXPECT_NEAR(mean[c], sum / static_cast<double>(image.pixel_count()), 1e-6);
     EXPECT_NEAR(most[c], largest, 1e-6);
   }
+}
+
+// What a layer has beside its light no picture shows.
+TEST(Viewer, WhoAddsAChannelToALayerMakesItNoneOfTheSet) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder / "layer.exr";
+  save_exr(HdrImage(4, 3), {}, file);
+  load_exr(file, PixelSize{4, 3});
+  const test::CommandResult made =
+      test::run_shell(fmt::format("oiiotool '{0}' --ch R,G,B,A=0.5 -o '{0}' 2>&1", file.string()));
+  ASSERT_EQ(made.exit_code, 0) << made.text;
+  EXPECT_THAT(message_of<InputError>([&] {
+                load_exr(file, PixelSize{4, 3});
+              }),
+              HasSubstr("layer.exr: channels: expected R, G, B, or Y, and no more: 3, got 4"));
+  EXPECT_EQ(load_exr(file).image.channels, 3) << "of another program, whose size nobody knows";
 }
 
 }  // namespace

@@ -56,6 +56,12 @@ TEST_F(DoubtedSet, IsMendedByToneMappingOrRenderingIt) {
   }
 }
 
+TEST_F(DoubtedSet, WithoutItsFolderOfPicturesIsWholeOnceToneMapped) {
+  fs::remove_all(folder_.picture_folder());
+  tonemap_set(folder_.root);
+  EXPECT_EQ(test::digest_products(folder_.root), whole_);
+}
+
 // Tone mapping takes up what a run that was killed had on record in layers.pending.json alone.
 TEST_F(DoubtedSet, WhoseRecordsArePendingIsWholeOnceToneMapped) {
   fs::rename(folder_.layers(), folder_.pending_layers());

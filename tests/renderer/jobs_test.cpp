@@ -273,27 +273,46 @@ class SmallDisk {
   bool is_there_ = false;
 };
 
-// The same on a disk that has no block left, and is made larger until all has room.
+// Before the first reference, not hours later; and larger, it goes on.
+TEST(Set, OnADiskThatIsTooSmallSaysSoBeforeTheWork) {
+  const test::TinyStudy study;
+  const SmallDisk disk(study.folder() / "disk");
+  if (!disk.is_there()) GTEST_SKIP() << "no file system can be mounted here";
+  for (const int kib : {128, 256, 512}) {
+    ASSERT_TRUE(disk.resize(kib));
+    EXPECT_THAT(message_of<InputError>([&] { make_set(params_of(study, "disk/set")); }),
+                AllOf(HasSubstr("disk/set: expected about 1.1 MiB free on its disk, got 0."),
+                      HasSubstr("what is rendered already stays")))
+        << kib;
+    for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "disk"))
+      EXPECT_NE(entry.path().extension(), ".exr") << entry.path();
+  }
+  ASSERT_TRUE(disk.resize(1 << 16));
+  EXPECT_GT(make_set(params_of(study, "disk/set")).pictures_written, 0u);
+}
+
+// The same on a disk that others fill meanwhile, until no block is left.
 TEST(Set, OnADiskWithoutBlocksSaysSoAndIsCompletedLater) {
   const test::TinyStudy study;
   const SmallDisk disk(study.folder() / "disk");
   if (!disk.is_there()) GTEST_SKIP() << "no file system can be mounted here";
   make_set(params_of(study, "whole"));
-  for (const int kib : {64, 128, 256}) {
-    ASSERT_TRUE(disk.resize(kib));
-    EXPECT_THAT(message_of<StoreError>([&] { make_set(params_of(study, "disk/set")); }),
+  ASSERT_TRUE(disk.resize(1 << 16));
+  const StudyFolder folder{study.folder() / "disk/set"};
+  make_set(params_of(study, "disk/set"));
+  const fs::path others = study.folder() / "disk/others";
+  for (const int kib : {8, 32, 128}) {
+    fs::remove_all(folder.picture_folder());
+    save_text(others, std::string(fs::space(folder.root).available - 1024 * static_cast<unsigned>(kib), 'x'));
+    EXPECT_THAT(message_of<StoreError>([&] { tonemap_set(folder.root); }),
                 HasSubstr("No space left on device"))
         << kib;
-    for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "disk")) {
+    for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "disk"))
       EXPECT_NE(entry.path().extension(), ".part") << entry.path();
-      if (entry.path().extension() == ".exr") {
-        EXPECT_NO_THROW(load_exr(entry.path()));
-      }
-    }
+    fs::remove(others);
   }
-  ASSERT_TRUE(disk.resize(1 << 16));
   make_set(params_of(study, "disk/set"));
-  EXPECT_EQ(digest_products(study.folder() / "disk/set"), digest_products(study.folder() / "whole"));
+  EXPECT_EQ(digest_products(folder.root), digest_products(study.folder() / "whole"));
 }
 
 // As somebody whom permissions stop, which root is not.

@@ -77,6 +77,8 @@ class RenderedSet : public testing::Test {
         const Family family =
             is_reference ? parse_family(key, "test") : family_of(parse_condition(key, "test"));
         const ToneRecord& tone = manifest.tones.at(format_key(family));
+        record.reference = is_reference ? tell_picture_reference(layers.by_name, family) : Json();
+        record.vpls = is_reference ? Json() : tell_picture_vpls(layers.by_name, parse_condition(key, "test"));
         record.made_from = is_reference ? digest_reference(layers.by_name, tone, family)
                                         : digest_picture(layers.by_name, tone, parse_condition(key, "test"));
       }

@@ -15,6 +15,7 @@
 #include "base/memory.h"
 #include "base/work_control.h"
 #include "renderer/parallel.h"
+#include "renderer/render_layers.h"
 #include "renderer/timing.h"
 #include "renderer/vpl.h"
 #include "stimuli/exr_file.h"
@@ -79,6 +80,45 @@ TEST(Set, OfAWorldWithoutVplsEndsBeforeItsReferences) {
   }
   for (const auto& entry : fs::recursive_directory_iterator(study.folder() / "set"))
     EXPECT_NE(entry.path().extension(), ".exr") << entry.path();
+}
+
+std::string replace_once(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+// Layers would be recorded as made from the mesh that was, and show the one that is.
+TEST(Set, WhoseMeshBecomesAnotherBeforeItIsLookedAtEndsBeforeItsReferences) {
+  const test::TinyStudy tiny("normalise");
+  const fs::path mesh = tiny.folder() / "read.obj", scene_path = tiny.folder() / "read.json";
+  const std::string triangle = "v -1 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n";
+  save_text(mesh, triangle);
+  save_text(scene_path,
+            replace_once(replace_once(kDarkScene, R"("sphere": {"radius": 0.5, "subdivisions": 2})",
+                                      R"("file": {"path": "read.obj"})"),
+                         R"("target": [0, -2, 9])", R"("target": [0, 0, 0])"));
+  Json json = tiny.load().source;
+  json.set("scene", scene_path.string());
+  save_text(tiny.path(), format_json(json));
+
+  const Study study = tiny.load();
+  const Scene scene = load_scene(study.scene_path);
+  const Wanted wanted = enumerate_wanted(study, "*");
+  const Recipes recipes = make_recipes(study, scene, wanted);
+  const StudyFolder folder{tiny.folder() / "set"};
+  fs::create_directories(folder.layer_folder());
+  LayerStore store(folder, study);
+  WorkLog log(folder);
+  std::map<std::string, double> seconds;
+  const auto render_now = [&] { render_layers(recipes, scene, wanted, {}, store, log, seconds); };
+  save_text(mesh, replace_once(triangle, "v 0 0 1", "v 0 0 2"));
+  EXPECT_THAT(message_of<InputError>(render_now),
+              AllOf(HasSubstr("read.json"), HasSubstr("other files of G0-ind than at the start")));
+  EXPECT_TRUE(store.records().empty());
+  save_text(mesh, triangle);
+  render_now();
+  EXPECT_FALSE(store.records().empty());
 }
 
 // make_set in a thread of its own, under a control.
@@ -255,6 +295,19 @@ TEST(Set, WhatIsMissingOrDamagedIsMadeAgainTheSame) {
   EXPECT_EQ(digest_products(study.folder() / "set"), whole);
 }
 
+// A share makes no pictures, so that rendering is the last that it tells of.
+TEST(Set, ThatGoesOnCountsWhatWasWholeBefore) {
+  const test::TinyStudy study;
+  render(study, "set");
+  fs::remove(study.folder() / "set/layers/G0-MS-ind-100-C7-v1.exr");
+  WorkControl control;
+  const ControlledWork work(control);
+  SetParams params{study.path(), study.folder() / "set"};
+  params.job = JobShare{1, 1};
+  make_set(params);
+  EXPECT_THAT(control.line(), HasSubstr("8 of 8 references, 87 of 88 VPL layers"));
+}
+
 TEST(Set, AFolderWithSessionsRefusesToChangeAPictureThatMayHaveBeenShown) {
   const test::TinyStudy study;
   render(study, "set");
@@ -339,6 +392,19 @@ TEST(Set, ADamagedTimingFileIsSaidBeforeTheWork) {
     EXPECT_THROW(render(study, "set", "G0-MS-ind-ref-v0"), InputError) << text;
     EXPECT_FALSE(fs::exists(study.folder() / "set/layers.json")) << text;
   }
+}
+
+// By which `plan --out` foresees: a file that anybody may have edited.
+TEST(Set, HasNoSpeedThatNoMachineHas) {
+  const test::TinyStudy study;
+  const StudyFolder folder{study.folder()};
+  const auto find = [&](const char* work) {
+    save_text(folder.timing(), std::string(R"({"runs":[{"foreseen_work":)") + work +
+                                   R"(,"seconds":{"references":2,"pictures":7}}]})");
+    return find_speed(folder);
+  };
+  EXPECT_EQ(find("3e6"), 1.5e6);
+  for (const char* work : {"1e-300", "1e308", "0", "-1"}) EXPECT_FALSE(find(work)) << work;
 }
 
 Json load_cafe() {

@@ -2,7 +2,9 @@
 #include "renderer/verify.h"
 
 #include <fmt/format.h>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -67,6 +69,27 @@ TEST_F(Verify, FindsAPictureOrLayerThatIsNotThere) {
   EXPECT_EQ(find().size(), 1u + 8u) << "one for each family, not one for each picture";
   fs::remove(folder_.manifest());
   EXPECT_THAT(find()[0], HasSubstr("no pictures were made"));
+}
+
+// A pipe would be waited for.
+TEST_F(Verify, FindsAPictureThatIsNoFile) {
+  const fs::path picture = folder_.root / "pictures/G0-MS-ind-100-C4-v0.png";
+  fs::remove(picture);
+  ASSERT_EQ(::mkfifo(picture.c_str(), 0600), 0);
+  expect_only("G0-MS-ind-100-C4-v0: no file");
+}
+
+// Sparse, so that it takes no disk; 24 x 18 pixels of floats are 7 KiB.
+TEST_F(Verify, ReadsNoMoreOfAFileThanItsPixelsTake) {
+  const fs::path layer = folder_.root / "layers/G0-MS-ind-100-C3-v0.exr";
+  fs::resize_file(layer, std::uintmax_t{1} << 40);
+  expect_only("C3-v0.exr: expected at most 1055488 bytes, got more");
+  fs::remove(layer);
+  fs::remove(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png");
+  std::ofstream(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png").put('a');
+  fs::resize_file(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png", std::uintmax_t{1} << 40);
+  const auto lines = find();
+  EXPECT_THAT(lines.at(0), HasSubstr("C4-v0.png: expected at most 1055488 bytes, got more"));
 }
 
 TEST_F(Verify, FindsAByteThatWasChanged) {
@@ -269,6 +292,45 @@ TEST_F(Verify, FindsWhatTheRecordsSayAgainstTheirLayers) {
   vpls.set("certified", false);
   set_check(0);
   expect_only("G0-MS-ind-100-C3-v0: not certified, more than 1 % of its points err by 1 % or more");
+}
+
+// Which counts, errors and methods a manifest tells of is what analyses and papers quote.
+TEST_F(Verify, FindsAManifestThatTellsOtherThanItsLayers) {
+  const Manifest before = load_manifest(folder_.manifest());
+  const auto expect_found = [&](const std::string& what, const auto& change) {
+    Manifest manifest = before;
+    change(manifest.pictures);
+    save_manifest(manifest, folder_.manifest());
+    expect_only(what);
+    tonemap_set(folder_.root, "*");
+    EXPECT_EQ(find(), std::vector<std::string>()) << "written anew";
+  };
+  const std::string vpls = "G0-MS-ind-100-C4-v0", reference = "G0-GS-dir-ref-v1";
+  const std::string other = ": what the manifest tells of its making is not what layers.json tells";
+  expect_found(vpls + other, [&](auto& pictures) { pictures.at(vpls).vpls.set("count", 5); });
+  expect_found(vpls + other, [&](auto& pictures) { pictures.at(vpls).vpls = {}; });
+  expect_found(reference + other, [&](auto& pictures) { pictures.at(reference).reference.set("paths", 7); });
+  expect_found(reference + ": its standard error is not in the manifest",
+               [&](auto& pictures) { pictures.at(reference).standard_error = {}; });
+}
+
+TEST_F(Verify, FindsLayersRecordedForAnotherStudyOrSeed) {
+  const Layers before = load_layers(folder_.layers());
+  Layers layers = before;
+  layers.seed = 77;
+  save_layers(layers, folder_.layers());
+  expect_only("layers.json: seed 77, where the study has 1");
+  layers = before;
+  layers.study_name = "other";
+  save_layers(layers, folder_.layers());
+  expect_only("layers.json: of the study \"other\", where study.json has ");
+}
+
+TEST_F(Verify, FindsALayerWhoseFileTellsAnotherCountOfVpls) {
+  Layers layers = load_layers(folder_.layers());
+  ++layers.by_name.at("G0-MS-ind-100-C4-v0").vpl_count;
+  save_records(layers);
+  expect_only("C4-v0.exr: equilux_vpl_count: expected ");
 }
 
 TEST_F(Verify, FindsSharesThatAreNotGathered) {

@@ -2,6 +2,7 @@
 #include "renderer/work.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/random.h"
@@ -142,7 +143,7 @@ std::vector<WorkItem> draw_work(std::size_t count) {
   RandomStream random(7, "work-test", 1);
   std::vector<WorkItem> items(count);
   for (std::size_t i = 0; i < count; ++i) {
-    items[i].family.object.geometry = "G" + std::to_string(i);
+    items[i].family.object.geometry = fmt::format("G{}", i);
     items[i].own = random.next_float();
     for (const std::size_t group : {i / 2, i / 10, i / 50})
       items[i].shared[std::to_string(group) + "-" + std::to_string(i % 3)] = 5 * random.next_float();
@@ -179,7 +180,7 @@ TEST(Work, CountsWhatIsSharedOnce) {
   const auto items = list_work(costs, {{}, cells.conditions});
   ASSERT_EQ(items.size(), 1u);
   EXPECT_FALSE(items[0].has_reference);
-  EXPECT_DOUBLE_EQ(sum_work(items), kVplCost * 5e6 + cost_of_cut(5000000) * 1e4 + cost_of_measuring(5000000))
+  EXPECT_DOUBLE_EQ(sum_work(items), kVplCost * 5e6 + cost_of_cuts(5000000, 1e4) + cost_of_measuring(5000000))
       << "one cut for eleven levels";
 }
 

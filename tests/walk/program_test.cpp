@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/version.h"
+#include "stimuli/verdict.h"
 #include "tests/experiment/fake_study.h"
 #include "tests/renderer/tiny_study.h"
 #include "tests/support/json_edit.h"
@@ -349,6 +350,21 @@ TEST(Analyze, RefusesPicturesThatDoNotVerifyUnlessItMaySaySo) {
     all_the_same.push_back("--no-verify");
     run_well("analyze", all_the_same);
   }
+}
+
+// Whatever is done to the records by hand, even that they are removed.
+TEST(Analyze, RefusesAFolderWhoseVerdictStandsAlthoughItsManifestIsGone) {
+  const TemporaryFolder temporary;
+  const StudyFolder folder = make_fake_study(temporary.path());
+  const std::string root = folder.root.string();
+  run_well("session", {"simulate", root, "--experiment", "artifact", "--subjects", "2", "--seed", "1"});
+  fs::remove(folder.manifest());
+  EXPECT_THAT(run_well("analyze", {"report", root}), HasSubstr("There is no manifest.json"));
+  save_verdict(folder, {{"manifest.json", "not there: no pictures were made"}});
+  for (const Words& words : {Words{"report", root}, Words{"prune", root, "--kind", "planted"},
+                             Words{"export", root, "--out", (temporary.path() / "answers").string()}})
+    expect_input_error("analyze", words,
+                       "expected pictures that verify, got found by `equilux-render verify`");
 }
 
 }  // namespace
