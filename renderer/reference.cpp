@@ -18,8 +18,11 @@ constexpr double kPathsForOneStepOutside = 4700;
 // Work of compensated VPL sets over that of path tracing, of a black object and more for what its gloss
 // reflects, and of their pilots whatever the object's size. Measured in the café.
 constexpr double kCompensatedShare = 0.0274, kShareOfGloss = 0.205, kSetPilots = 3.4e6;
-// The same of the room, whose sets cost something at every pixel whatever the target, and more by themselves.
-constexpr double kCompensatedRoom = 0.082, kRoomSets = 225, kRoomPilots = 2e6;
+// The same of the room, whose sets cost something at every pixel whatever the target, and whose pilots
+// whatever is chosen.
+constexpr double kCompensatedRoom = 0.082, kRoomSets = 225, kRoomPilots = 3e6;
+// Pilots look at every pixel of small pictures.
+constexpr double kPilotsOfPixel = 51, kPilotsOfObjectPixel = 210;
 
 // Enough for the spread of a pixel to be seen, few beside what follows.
 constexpr int kPilotPaths = 32;
@@ -121,6 +124,12 @@ double count_object(const Primary& primary, const PathMaps& maps) {
   return count_paths(primary, {make_no_paths(maps.direct), maps.direct, maps.indirect});
 }
 
+double count_object_pixels(const Primary& primary) {
+  const auto hits = std::count_if(primary.hits.begin(), primary.hits.end(),
+                                  [](const PrimaryHit& hit) { return hit.kind == PrimaryKind::kObject; });
+  return static_cast<double>(hits) / primary.positions;
+}
+
 PathMaps guess_maps(const ReferenceParams& params, const Primary& primary) {
   return make_fixed_maps(primary, params.fixed ? *params.fixed : guess_counts(params.target));
 }
@@ -151,8 +160,10 @@ double guess_background_paths(const ReferenceParams& params, const Primary& prim
   const double traced = pixels * count_room_paths(primary, guess_maps(params, primary).background);
   if (params.fixed || params.method != ReferenceMethod::kCompensated) return traced;
   const PathMap one(primary.hits.size() / static_cast<std::size_t>(primary.positions), 1);
+  const double all = pixels * static_cast<double>(one.size());
   const double outside = pixels * count_room_paths(primary, one) / (kBatches * primary.positions);
-  return std::min(traced, kCompensatedRoom * traced + kRoomSets * outside + kRoomPilots);
+  return std::min(kRoomPilots, kPilotsOfPixel * all) +
+         std::min(traced, kCompensatedRoom * traced + kRoomSets * outside);
 }
 
 }  // namespace
@@ -166,7 +177,8 @@ double estimate_object_paths(const ReferenceParams& params, const Primary& prima
   const double traced = pixels * count_object(primary, guess_maps(params, primary));
   if (params.fixed) return traced;
   if (params.method == ReferenceMethod::kCompensated)
-    return (kCompensatedShare + kShareOfGloss * params.gloss) * traced + kSetPilots;
+    return (kCompensatedShare + kShareOfGloss * params.gloss) * traced +
+           std::min(kSetPilots, kPilotsOfObjectPixel * pixels * count_object_pixels(primary));
   return traced + pixels * count_object(primary, make_pilot_maps(primary));
 }
 

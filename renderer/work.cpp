@@ -101,7 +101,7 @@ double cost_of_cuts(std::int64_t vpls, double points) {
 }
 
 // Points against all VPLs, and what comes with any.
-double cost_of_measuring(std::int64_t vpls) { return 2.3e6 + 1.5 * static_cast<double>(vpls); }
+double cost_of_measuring(std::int64_t vpls) { return 3e6 + 1.5 * static_cast<double>(vpls); }
 
 WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }
 
@@ -137,8 +137,8 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
 double measure_speed(const Study& study, const Scene& scene) {
   constexpr double kEnough = 0.5;  // s
   constexpr int kMostPaths = 1 << 16;
-  constexpr double kWholePictures = 1.07;  // whose paths are faster than those of a few pixels
-  constexpr double kUsual = 1e6;           // where the camera sees nothing that could be timed
+  constexpr double kWholePictures = 1.2;  // whose paths are faster than those of a few pixels
+  constexpr double kUsual = 1e6;          // where the camera sees nothing that could be timed
   const Object object = enumerate_objects(study).front();
   const World world = make_world(scene, object.geometry, object.illumination);
   const Materials materials = make_materials(world, find_material(scene, object.material));

@@ -15,7 +15,7 @@ struct PixelSize {
 /// What a file of an image takes at most: an EXR layer of three floats a pixel that nothing could compress,
 /// or a PNG picture, with its head. units: bytes
 inline std::uintmax_t most_file_bytes(PixelSize size) {
-  return 16 * static_cast<std::uintmax_t>(size.width) * static_cast<std::uintmax_t>(size.height) + (1 << 20);
+  return 16 * static_cast<std::uintmax_t>(size.width) * static_cast<std::uintmax_t>(size.height) + (1 << 26);
 }
 
 /// Linear Rec.709 radiance. shape: height x width x channels, row-major from the top left. channels: 3, or 1

@@ -83,13 +83,13 @@ TEST_F(Verify, FindsAPictureThatIsNoFile) {
 TEST_F(Verify, ReadsNoMoreOfAFileThanItsPixelsTake) {
   const fs::path layer = folder_.root / "layers/G0-MS-ind-100-C3-v0.exr";
   fs::resize_file(layer, std::uintmax_t{1} << 40);
-  expect_only("C3-v0.exr: expected at most 1055488 bytes, got more");
+  expect_only("C3-v0.exr: expected at most 67115776 bytes, got more");
   fs::remove(layer);
   fs::remove(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png");
   std::ofstream(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png").put('a');
   fs::resize_file(folder_.root / "pictures/G0-MS-ind-100-C4-v0.png", std::uintmax_t{1} << 40);
   const auto lines = find();
-  EXPECT_THAT(lines.at(0), HasSubstr("C4-v0.png: expected at most 1055488 bytes, got more"));
+  EXPECT_THAT(lines.at(0), HasSubstr("C4-v0.png: expected at most 67115776 bytes, got more"));
 }
 
 TEST_F(Verify, FindsAByteThatWasChanged) {
