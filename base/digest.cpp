@@ -52,7 +52,7 @@ std::string digest_file(const std::filesystem::path& path, std::uintmax_t max_by
     const auto count = static_cast<std::uintmax_t>(stream.gcount());
     if (count > left) throw InputError(path.string(), "", fmt::format("at most {} bytes", max_bytes), "more");
     left -= count;
-    sha.update(buffer.data(), static_cast<std::size_t>(stream.gcount()));
+    sha.update(buffer.data(), static_cast<std::size_t>(count));
   }
   if (stream.bad()) throw InputError(path.string(), "", "a readable file", std::strerror(errno));
   return sha.finish();

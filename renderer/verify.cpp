@@ -275,21 +275,6 @@ std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& stu
   return verify_pictures(folder, study, manifest, list_pictures(study, manifest));
 }
 
-// Of a folder with layers, whatever they are.
-std::vector<Finding> verify_layer_heads(const StudyFolder& folder, const Study& study) {
-  if (!path_exists(folder.layers())) return {};
-  const Layers layers = load_layers(folder.layers());
-  std::vector<Finding> findings;
-  if (layers.study_name != study.name)
-    findings.push_back(
-        {folder.layers().string(),
-         fmt::format("of the study \"{}\", where study.json has \"{}\"", layers.study_name, study.name)});
-  if (layers.seed != study.seed)
-    findings.push_back(
-        {folder.layers().string(), fmt::format("seed {}, where the study has {}", layers.seed, study.seed)});
-  return findings;
-}
-
 }  // namespace
 
 Verification verify_set(const fs::path& root, const std::optional<fs::path>& study_path) {
@@ -302,7 +287,6 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
       enumerate_references(study).size() * std::size(kFamilyContents) + enumerate_conditions(study).size();
   auto& findings = verification.findings;
   findings = verify_manifest(folder, study);
-  for (Finding& head : verify_layer_heads(folder, study)) findings.push_back(std::move(head));
   for (Finding& change : find_change_mark(folder)) findings.push_back(std::move(change));
   if (study.paths)
     verification.notes.push_back(

@@ -119,9 +119,8 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
   const Primary small = trace_primary(world, make_view_camera(scene, 0), 64, 48, 1);
   double object = 0;
   for (const PrimaryHit& hit : small.hits) object += hit.kind == PrimaryKind::kObject;
-  const double pixels =
-      static_cast<double>(study.width) * study.height / static_cast<double>(small.hits.size());
-  const double all_pixels = static_cast<double>(study.width) * study.height;
+  const double all_pixels = static_cast<double>(study.width) * study.height,
+               pixels = all_pixels / static_cast<double>(small.hits.size());
   WorldCosts costs;
   costs.layer = kLayerCost + kLayerPixelCost * all_pixels;
   costs.world = kWorldCost + kWorldTriangleCost * static_cast<double>(world.triangle_count());

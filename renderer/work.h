@@ -20,8 +20,8 @@ inline constexpr double kPairCost = 0.02, kVplCost = 0.57;
 double cost_of_cuts(std::int64_t vpls, double points);
 double cost_of_measuring(std::int64_t vpls);
 
-/// Of making a world, twice: a set looks at all before it renders; and of writing an EXR layer, a PNG picture
-/// and what a reference's picture takes more. units: paths; `...Pixel`, `...Triangle`: paths each
+/// Of making a world, twice: a set looks at all before it renders; and of writing an EXR layer and making a
+/// PNG picture of layers. units: paths; `...Pixel`, `...Triangle`: paths each
 inline constexpr double kWorldCost = 6e5, kWorldTriangleCost = 1.2, kLayerCost = 4e3, kLayerPixelCost = 0.19,
                         kPictureCost = 3e3, kPicturePixelCost = 0.33;
 

@@ -82,28 +82,44 @@ std::string find_any_fault(const Records& records, const std::string& key) {
   }
 }
 
-// What a manifest says of its study that is not so.
-std::vector<Finding> find_head_faults(const std::string& path, const Study& study, const Manifest& manifest) {
-  std::vector<Finding> findings;
-  const auto check = [&](bool good, const std::string& wrong) {
-    if (!good) findings.push_back({path, wrong});
-  };
-  check(manifest.study_name == study.name,
-        fmt::format("of the study \"{}\", where study.json has \"{}\"", manifest.study_name, study.name));
-  check(manifest.seed == study.seed,
-        fmt::format("seed {}, where the study has {}", manifest.seed, study.seed));
-  check(manifest.width == study.width && manifest.height == study.height,
-        fmt::format("pictures of {} x {} pixels, where the study has {} x {}", manifest.width,
-                    manifest.height, study.width, study.height));
+// What a file of records says of its study that is not so.
+class HeadFaults {
+ public:
+  HeadFaults(const fs::path& path, std::vector<Finding>& findings)
+      : path_(path.string()), findings_(findings) {}
+
+  void check(bool good, const std::string& wrong) {
+    if (!good) findings_.push_back({path_, wrong});
+  }
+  void check_study(const Study& study, const std::string& name, std::uint64_t seed) {
+    check(name == study.name,
+          fmt::format("of the study \"{}\", where study.json has \"{}\"", name, study.name));
+    check(seed == study.seed, fmt::format("seed {}, where the study has {}", seed, study.seed));
+  }
+
+ private:
+  std::string path_;
+  std::vector<Finding>& findings_;
+};
+
+void check_manifest_head(const fs::path& path, const Study& study, const Manifest& manifest,
+                         std::vector<Finding>& findings) {
+  HeadFaults faults(path, findings);
+  faults.check_study(study, manifest.study_name, manifest.seed);
+  faults.check(manifest.width == study.width && manifest.height == study.height,
+               fmt::format("pictures of {} x {} pixels, where the study has {} x {}", manifest.width,
+                           manifest.height, study.width, study.height));
   if (manifest.noise_target)
-    check(*manifest.noise_target == study.noise_target, "another noise target than the study's");
-  return findings;
+    faults.check(*manifest.noise_target == study.noise_target, "another noise target than the study's");
 }
 
-std::optional<Layers> load_layers_if_there(const StudyFolder& folder, std::vector<Finding>& findings) {
+std::optional<Layers> load_layers_if_there(const StudyFolder& folder, const Study& study,
+                                           std::vector<Finding>& findings) {
   if (!path_exists(folder.layers())) return {};
   try {
-    return load_layers(folder.layers());
+    Layers layers = load_layers(folder.layers());
+    HeadFaults(folder.layers(), findings).check_study(study, layers.study_name, layers.seed);
+    return layers;
   } catch (const InputError& error) {
     findings.push_back({folder.layers().string(), error.what()});
     return {};
@@ -134,8 +150,9 @@ std::vector<Finding> verify_pictures(const StudyFolder& folder, const Study& stu
                                      const std::vector<std::string>& keys) {
   if (manifest.study_digest != study.digest)
     return {{folder.manifest().string(), "of another study than study.json"}};
-  std::vector<Finding> findings = find_head_faults(folder.manifest().string(), study, manifest);
-  const Records records{folder, study, manifest, load_layers_if_there(folder, findings)};
+  std::vector<Finding> findings;
+  check_manifest_head(folder.manifest(), study, manifest, findings);
+  const Records records{folder, study, manifest, load_layers_if_there(folder, study, findings)};
   const std::vector<std::string> all = enumerate_pictures(study);
   const std::set<std::string> known(all.begin(), all.end());
   for (const std::string& key : keys) {
