@@ -17,7 +17,7 @@ constexpr double kPathsForOneStepOutside = 4700;
 
 // Work of compensated VPL sets over that of path tracing, of a black object and more for what its gloss
 // reflects, and of their pilots whatever the object's size. Measured in the café.
-constexpr double kCompensatedShare = 0.0274, kShareOfGloss = 0.205, kSetPilots = 3.4e6;
+constexpr double kCompensatedShare = 0.0247, kShareOfGloss = 0.185, kSetPilots = 3.4e6;
 // The same of the room, whose sets cost something at every pixel whatever the target, and whose pilots
 // whatever is chosen.
 constexpr double kCompensatedRoom = 0.082, kRoomSets = 225, kRoomPilots = 3e6;

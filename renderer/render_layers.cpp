@@ -110,27 +110,31 @@ RoomStages open_stages(const GroupJob& job, const Primary& primary, const Refere
 // Of one view: their backgrounds from the same paths, then each object.
 void render_families(const GroupJob& job, const Primary& primary, const std::vector<Family>& families) {
   if (families.empty()) return;
-  const FamilyProgress progress{[&](double paths) { job.progress.advance(paths); },
-                                [&](double paths) { job.progress.expect_more(paths); }};
+  const auto scale_progress = [&](double cost) {
+    return FamilyProgress{[&job, cost](double paths) { job.progress.advance(cost * paths); },
+                          [&job, cost](double paths) { job.progress.expect_more(cost * paths); }};
+  };
   std::vector<Materials> materials;
   for (const Family& family : families) materials.push_back(materials_of(job, family.object.material));
   const ReferenceParams params = make_reference_params(job.study, job.scene, families.front());
   const RoomStages stages = open_stages(job, primary, params, families);
+  const FamilyProgress of_room = scale_progress(1),
+                       of_object = scale_progress(job.costs.shape.of_reference(params));
   BackgroundPlan plan;
   std::vector<Background> backgrounds;
   {
     const LoggedWork work(job, "backgrounds",
                           fmt::format("backgrounds {} of {}", name_background_stream(families[0]),
                                       count_materials(families.size())));
-    plan = plan_background(job.world, primary, params, progress, stages);
-    backgrounds = trace_planned_backgrounds({job.world, materials, primary}, plan, params, progress, stages);
+    plan = plan_background(job.world, primary, params, of_room, stages);
+    backgrounds = trace_planned_backgrounds({job.world, materials, primary}, plan, params, of_room, stages);
   }
   for (std::size_t i = 0; i < families.size(); ++i) {
     FamilyLayers layers;
     {
       const LoggedWork work(job, "references", "reference " + format_key(families[i]));
       layers = trace_object({job.world, materials[i], primary}, plan, backgrounds[i],
-                            make_reference_params(job.study, job.scene, families[i]), progress);
+                            make_reference_params(job.study, job.scene, families[i]), of_object);
     }
     save_family(job, primary, families[i], layers);
   }
@@ -283,7 +287,7 @@ void render_plain_sums(const VplJob& job, const ViewJob& view, const PlainVpls& 
       shade(fmt::format("plain sums {}-{}-{}-v{} of {}", job.key.geometry,
                         format_illumination(job.key.illumination), format_vpl_count(job.vpl_count), view.view,
                         count_materials(materials.size())),
-            vpls.shared, materials, kPairCost);
+            vpls.shared, materials, kPairCost * group.costs.shape.sums);
   std::size_t index = 0;
   for (const auto& [material, some] : wanted) {
     const VplList& list = vpls.own.at(material);
@@ -342,7 +346,7 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
   const Material material = make_material(find_material(group.scene, name));
   const auto all = std::max(1.0, static_cast<double>(view.points.size()));
   const auto advance = [&](double points) {
-    group.progress.advance(cost_of_cuts(job.vpl_count, all) * points / all);
+    group.progress.advance(group.costs.shape.cuts * cost_of_cuts(job.vpl_count, all) * points / all);
   };
   const auto shade = [&] {
     const std::string what =
@@ -354,7 +358,7 @@ void render_lightcuts(const VplJob& job, const ViewJob& view, const std::string&
                           group.study.seed);
   };
   const MeasuredCut cut = shade();
-  group.progress.advance(cost_of_measuring(job.vpl_count));
+  group.progress.advance(group.costs.shape.cuts * cost_of_measuring(job.vpl_count));
   group.seconds["VPL shading"] += cut.measures.seconds_cut;
   group.seconds["measured error"] += cut.measures.seconds_measured;
   save_vpl_layers(

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "renderer/batches.h"
+#include "renderer/object_rays.h"
 #include "renderer/parallel.h"
 #include "renderer/reference.h"
 #include "renderer/stopwatch.h"
@@ -30,9 +31,10 @@ void add_costs(const WorldCosts& costs, WorkItem& item) {
     item.shared[key] = kVplCost * vpls * (1 - kOwnVpls);
     item.shared[key + "-" + item.family.object.material] = kVplCost * vpls * kOwnVpls;
     if (is_summed_plainly(count)) {
-      item.shared[fmt::format("{}-v{}", key, item.family.view)] = kPairCost * vpls * costs.points;
+      item.shared[fmt::format("{}-v{}", key, item.family.view)] =
+          kPairCost * costs.shape.sums * vpls * costs.points;
     } else {
-      item.own += cost_of_cuts(count, costs.points) + cost_of_measuring(count);
+      item.own += costs.shape.cuts * (cost_of_cuts(count, costs.points) + cost_of_measuring(count));
     }
   }
   if (item.has_reference) {
@@ -93,6 +95,17 @@ std::vector<std::size_t> fill_runs(const PricedWork& all, double most) {
   return begins;
 }
 
+// Share of rays from what the camera sees of the object that meet it again: of a ball none.
+double estimate_self_occlusion(const World& world, const Primary& primary) {
+  constexpr std::uint64_t kSeed = 1;
+  std::vector<AreaPoint> points;
+  for (const PrimaryHit& hit : primary.hits) {
+    if (hit.kind == PrimaryKind::kObject) points.push_back({hit.point.p, hit.point.ng, hit.point.epsilon});
+  }
+  const Share met = find_self_occlusion(world, points, kSeed);
+  return met.total > 0 ? static_cast<double>(met.count) / static_cast<double>(met.total) : 0;
+}
+
 }  // namespace
 
 double cost_of_cuts(std::int64_t vpls, double points) {
@@ -102,6 +115,14 @@ double cost_of_cuts(std::int64_t vpls, double points) {
 
 // Points against all VPLs, and what comes with any.
 double cost_of_measuring(std::int64_t vpls) { return 3e6 + 1.5 * static_cast<double>(vpls); }
+
+ShapeCosts cost_of_shape(double self_occlusion) {
+  return {1 + 3 * self_occlusion, 1 + 5 * self_occlusion, 1 + 8 * self_occlusion};
+}
+
+double ShapeCosts::of_reference(const ReferenceParams& params) const {
+  return params.fixed ? sums : references;
+}
 
 WorldKey world_of(const Object& object) { return {object.geometry, object.illumination}; }
 
@@ -125,9 +146,11 @@ WorldCosts estimate_costs(const Study& study, const Scene& scene, const World& w
   costs.layer = kLayerCost + kLayerPixelCost * all_pixels;
   costs.world = kWorldCost + kWorldTriangleCost * static_cast<double>(world.triangle_count());
   costs.points = pixels * object * study.subpixel_positions;
+  costs.shape = cost_of_shape(estimate_self_occlusion(world, small));
   for (const Family& family : references) {
     const ReferenceParams params = make_reference_params(study, scene, family);
-    costs.object[family.object.material] = estimate_object_paths(params, small, pixels);
+    costs.object[family.object.material] =
+        costs.shape.of_reference(params) * estimate_object_paths(params, small, pixels);
     if (costs.room == 0) costs.room = estimate_background_paths(params, small, pixels);
   }
   return costs;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/study.h"
+#include "renderer/reference_params.h"
 #include "renderer/wanted.h"
 #include "renderer/world.h"
 
@@ -37,6 +38,16 @@ struct WorldKey {
 
 WorldKey world_of(const Object& object);
 
+/// What an object that meets itself costs beside a ball, in plain sums and fixed paths, cuts, and references:
+/// its rays pass more triangles, neighbours see less of the same, and light stays longer in its folds.
+struct ShapeCosts {
+  double sums = 1, cuts = 1, references = 1;
+  double of_reference(const ReferenceParams& params) const;
+};
+
+/// Fitted to G0 to G3, Bunny and Dragon. units: share of rays, spread by cosine, that meet the object
+ShapeCosts cost_of_shape(double self_occlusion);
+
 /// Of one world, from a small picture of what the camera sees. units: paths
 struct WorldCosts {
   double points = 0;  ///< of the object in a view, all subpixel positions; a number, no cost
@@ -44,6 +55,7 @@ struct WorldCosts {
   double room = 0;                       ///< the backgrounds of a view
   double layer = 0;                      ///< the writing of a layer
   double world = 0;                      ///< its making
+  ShapeCosts shape;
 };
 
 /// A reference of each material, to estimate costs by.

@@ -121,7 +121,7 @@ std::optional<Layers> load_layers_if_there(const StudyFolder& folder, const Stud
     HeadFaults(folder.layers(), findings).check_study(study, layers.study_name, layers.seed);
     return layers;
   } catch (const InputError& error) {
-    findings.push_back({folder.layers().string(), error.what()});
+    findings.push_back({"layers", error.what()});
     return {};
   }
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/random.h"
+#include "tests/renderer/test_scene.h"
 
 namespace equilux {
 namespace {
@@ -45,6 +46,43 @@ TEST(Work, IsSplitSoThatEachPictureFallsToOneShare) {
     std::sort(keys.begin(), keys.end());
     EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end()) << count;
   }
+}
+
+// A ball seen from outside never meets itself, and from inside with every ray.
+TEST(Work, CostsMoreWhereTheObjectMeetsItself) {
+  const Study study = load_paper();
+  test::SceneText text;
+  const auto shape_of = [&] {
+    const Scene scene = test::make_scene(text);
+    return estimate_costs(study, scene, make_world(scene, "G0", Illumination::kIndirect), {}).shape;
+  };
+  const auto expect_shape = [&](double self_occlusion) {
+    const ShapeCosts shape = shape_of(), meant = cost_of_shape(self_occlusion);
+    EXPECT_EQ(shape.sums, meant.sums);
+    EXPECT_EQ(shape.cuts, meant.cuts);
+    EXPECT_EQ(shape.references, meant.references);
+  };
+  expect_shape(0);
+  text.camera = R"({"position":[0,-0.5,0],"target":[0,0,0],"up":[0,0,1],"vertical_fov_degrees":40})";
+  expect_shape(1);
+  text.camera = R"({"position":[0,-9,0],"target":[0,-10,0],"up":[0,0,1],"vertical_fov_degrees":40})";
+  expect_shape(0);
+}
+
+TEST(Work, OfAnObjectGoesWithItsShape) {
+  const Study study = load_paper();
+  auto costs = make_costs(study);
+  const auto cost_of = [&](const std::string& only) {
+    const Wanted wanted = enumerate_wanted(study, only);
+    return sum_work(list_work(costs, {{}, wanted.conditions}));
+  };
+  const double plain = cost_of("G0-MS-ind-1k-*-v0"), cut = cost_of("G0-MS-ind-5M-*-v0"),
+               other = cost_of("G0-MS-dir-*");
+  costs.at({"G0", Illumination::kIndirect}).shape = {2, 3, 4};
+  EXPECT_DOUBLE_EQ(cost_of("G0-MS-ind-1k-*-v0") - plain, kPairCost * 1e3 * 1e4);
+  EXPECT_DOUBLE_EQ(cost_of("G0-MS-ind-5M-*-v0") - cut,
+                   2 * (cost_of_cuts(5000000, 1e4) + cost_of_measuring(5000000)));
+  EXPECT_EQ(cost_of("G0-MS-dir-*"), other) << "the same object in another world";
 }
 
 // By trying every way to cut a list in runs.
