@@ -11,6 +11,19 @@ namespace {
 // beyond that.
 constexpr double kMostErrors = 7;
 
+// Empty without a check.
+Json::Array regions_of(const LayerRecord& layer) {
+  const Json* check = layer.reference.is_null() ? nullptr : layer.reference.find("check");
+  return check ? check->as_array() : Json::Array();
+}
+
+// Paths that met no light tell an error of 0.
+bool is_unsure(const Json& region) {
+  const double traced = region.at("path_traced").as_double(),
+               error = region.at("path_traced_error").as_double();
+  return region.at("mean").as_double() > 0 && (traced == 0 || traced < kMostErrors * error);
+}
+
 }  // namespace
 
 std::string find_uncertified(const LayerRecord& layer, bool wanted) {
@@ -34,15 +47,22 @@ std::string find_unchecked(const LayerRecord& layer, const Study& study) {
 
 std::vector<std::string> find_failed_checks(const LayerRecord& layer) {
   std::vector<std::string> failed;
-  const Json* check = layer.reference.is_null() ? nullptr : layer.reference.find("check");
-  if (!check) return failed;
-  for (const Json& region : check->as_array()) {
+  for (const Json& region : regions_of(layer)) {
     const double z = region.at("z").as_double();
     if (std::abs(z) > kMostErrors)
       failed.push_back(fmt::format("region {} differs from its path-traced check by {:.1f} standard errors",
                                    region.at("region").as_string(), z));
   }
   return failed;
+}
+
+CheckedRegions count_checked_regions(const LayerRecord& layer) {
+  CheckedRegions count;
+  for (const Json& region : regions_of(layer)) {
+    ++count.all;
+    count.unsure += is_unsure(region);
+  }
+  return count;
 }
 
 }  // namespace equilux

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace equilux {
 namespace {
@@ -41,7 +42,11 @@ std::vector<RegionLight> sum_regions(const TracedLayer& layer, const std::vector
 }  // namespace
 
 double RegionCheck::z() const {
-  const double error = std::max(least_error, std::hypot(light.standard_error, traced.standard_error));
+  const double met = traced.standard_error > 0 ? std::pow(traced.mean / traced.standard_error, 2)
+                     : traced.mean > 0         ? std::numeric_limits<double>::infinity()
+                                               : 0;
+  const double error = std::max({least_error, std::hypot(light.standard_error, traced.standard_error),
+                                 std::abs(light.mean) / std::sqrt(1 + met)});
   return error > 0 ? (light.mean - traced.mean) / error : 0;
 }
 

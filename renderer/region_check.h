@@ -18,7 +18,9 @@ struct RegionCheck {
   RegionLight light, traced;
   double least_error = 0;  ///< of their difference. units: W/(m^2 sr), luminance
 
-  /// Their difference over its standard error.
+  /// Their difference over its standard error. Paths that met the light n times by their own error,
+  /// (mean / error)^2, know it no better than to 1 over the root of 1 + n: those that met none, or once a
+  /// little of it, tell next to no error and know nothing.
   double z() const;
 };
 

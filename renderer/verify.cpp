@@ -268,6 +268,20 @@ std::vector<Finding> verify_recipes(const fs::path& study_path, const Study& stu
   return findings;
 }
 
+std::string tell_unsure_checks(const LayerRecords& layers) {
+  CheckedRegions sum;
+  for (const auto& [name, layer] : layers) {
+    const CheckedRegions count = count_checked_regions(layer);
+    sum.all += count.all;
+    sum.unsure += count.unsure;
+  }
+  if (sum.unsure == 0) return "";
+  return fmt::format(
+      "of {} regions of references {} have so little light that the paths which check them met too little of "
+      "it: they could have found no difference there",
+      sum.all, sum.unsure);
+}
+
 std::vector<Finding> verify_manifest(const StudyFolder& folder, const Study& study) {
   if (!path_exists(folder.manifest()))
     return {{folder.manifest().string(), "not there: no pictures were made"}};
@@ -291,6 +305,8 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
   if (study.paths)
     verification.notes.push_back(
         "the study fixes its paths: the errors of its references are not held to its noise target");
+  if (std::string unsure = tell_unsure_checks(store.records()); !unsure.empty())
+    verification.notes.push_back(std::move(unsure));
   if (has_shares(folder))
     findings.push_back({folder.jobs().string(),
                         "shares that are not gathered; `equilux-render gather` does it, or says why not"});

@@ -56,18 +56,11 @@ void check_part(const aiMesh& part, const std::string& source) {
   }
 }
 
-// PLY and STL have no further files.
-class FileAlone : public Assimp::DefaultIOSystem {
+// PLY and STL have no further files, and theirs is in memory.
+class NoFiles : public Assimp::DefaultIOSystem {
  public:
-  explicit FileAlone(const std::filesystem::path& mesh) : mesh_(mesh.string()) {}
-
-  bool Exists(const char* name) const override { return name == mesh_; }
-  Assimp::IOStream* Open(const char* name, const char* mode) override {
-    return Exists(name) ? DefaultIOSystem::Open(name, mode) : nullptr;
-  }
-
- private:
-  std::string mesh_;
+  bool Exists(const char*) const override { return false; }
+  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
 };
 
 // The one format that the file is taken for: assimp looks for the beginning of a PLY in all of a file, and
@@ -84,30 +77,34 @@ void forget_other_formats(Assimp::Importer& importer, std::string_view format) {
 }
 
 // Twenty million triangles as PLY.
-constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 30;
 
-void check_file(const std::filesystem::path& path) {
-  if (!is_file(path)) throw InputError(path.string(), "", "a mesh file", "no such file");
-  if (const std::uintmax_t bytes = std::filesystem::file_size(path); bytes > kMaxFileBytes)
-    throw InputError(path.string(), "", fmt::format("at most {} bytes", kMaxFileBytes),
-                     fmt::format("{}", bytes));
+// Without the name that assimp gives to memory.
+std::string tell_error(const Assimp::Importer& importer, const std::string& source) {
+  std::string error = importer.GetErrorString();
+  const std::size_t start = error.find("$$$");
+  if (start == std::string::npos) return error;
+  const std::size_t end = std::min(error.find_first_of(" \"", start), error.size());
+  return error.replace(start, end - start, std::filesystem::path(source).filename().string());
 }
 
-TriangleMesh read_by_assimp(const std::filesystem::path& path, MeshRepairs& found) {
-  const bool is_ply = check_ply(path);
+TriangleMesh read_by_assimp(const std::filesystem::path& path, const std::string& bytes, MeshRepairs& found) {
+  const bool is_ply = check_ply(path.string(), bytes);
   if (!is_ply && has_extension(path, ".ply"))
     throw InputError(path.string(), "", "a PLY file, which begins with ply", "another beginning");
   Assimp::Importer importer;
-  forget_other_formats(importer, is_ply ? "ply" : "stl");
-  importer.SetIOHandler(new FileAlone(path));  // which it deletes
+  const char* format = is_ply ? "ply" : "stl";
+  forget_other_formats(importer, format);
+  importer.SetIOHandler(new NoFiles);  // which it deletes
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  const aiScene* scene = importer.ReadFile(path.string(), 0);
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format);
   for (unsigned i = 0; scene && i < scene->mNumMeshes; ++i) check_part(*scene->mMeshes[i], path.string());
   if (scene) {
     scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices |
                                          aiProcess_SortByPType);
   }
-  if (!scene) throw InputError(path.string(), "", "a mesh in OBJ, PLY or STL", importer.GetErrorString());
+  if (!scene)
+    throw InputError(path.string(), "", "a mesh in OBJ, PLY or STL", tell_error(importer, path.string()));
   TriangleMesh parts;
   for (unsigned i = 0; i < scene->mNumMeshes; ++i)
     append_mesh(parts, to_mesh(*scene->mMeshes[i], is_ply, found));
@@ -115,10 +112,10 @@ TriangleMesh read_by_assimp(const std::filesystem::path& path, MeshRepairs& foun
 }
 
 // Each corner of an OBJ has a vertex of its own, so those of the file are counted as it is read.
-TriangleMesh read_and_repair_obj(const std::filesystem::path& path, MeshRepairs& found) {
-  const TriangleMesh parts = read_obj(path, found);
+TriangleMesh read_and_repair_obj(const std::string& source, const std::string& text, MeshRepairs& found) {
+  const TriangleMesh parts = read_obj(source, text, found);
   const std::size_t duplicates = found.duplicate_vertices;
-  TriangleMesh mesh = repair_mesh(parts, found, path.string());
+  TriangleMesh mesh = repair_mesh(parts, found, source);
   found.duplicate_vertices = duplicates;
   return mesh;
 }
@@ -126,11 +123,12 @@ TriangleMesh read_and_repair_obj(const std::filesystem::path& path, MeshRepairs&
 }  // namespace
 
 TriangleMesh load_mesh(const std::filesystem::path& path, MeshRepairs* repairs) {
-  check_file(path);
+  const std::string bytes = load_text(path, kMaxFileBytes);
   MeshRepairs ignored;
   MeshRepairs& found = repairs ? *repairs : ignored;
-  TriangleMesh mesh = is_obj(path) ? read_and_repair_obj(path, found)
-                                   : repair_mesh(read_by_assimp(path, found), found, path.string());
+  TriangleMesh mesh = is_obj(path, bytes)
+                          ? read_and_repair_obj(path.string(), bytes, found)
+                          : repair_mesh(read_by_assimp(path, bytes, found), found, path.string());
   if (mesh.triangles.empty())
     throw InputError(path.string(), "", "at least one triangle of non-zero area", "none");
   return mesh;

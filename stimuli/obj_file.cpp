@@ -3,9 +3,9 @@
 #include "stimuli/obj_file.h"
 
 #include <algorithm>
+#include <boost/interprocess/streams/bufferstream.hpp>
 #include <charconv>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -58,8 +58,8 @@ std::string quote(std::string_view word) {
 // Reads a file by its lines, those joined that a backslash continues; errors name the first of them.
 class ObjLines {
  public:
-  explicit ObjLines(const std::filesystem::path& path)
-      : source_(path.string()), stream_(path, std::ios::binary) {}
+  ObjLines(const std::string& source, const std::string& text)
+      : source_(source), stream_(text.data(), text.size()) {}
 
   /// False at the end.
   bool next() {
@@ -105,7 +105,7 @@ class ObjLines {
   }
 
   std::string source_, line_;
-  std::ifstream stream_;
+  boost::interprocess::ibufferstream stream_;
   std::uint32_t first_ = 0, last_ = 0;
 };
 
@@ -300,14 +300,11 @@ bool has_extension(const std::filesystem::path& path, std::string_view extension
   return own == extension;
 }
 
-bool is_obj(const std::filesystem::path& path) {
+bool is_obj(const std::filesystem::path& path, std::string_view text) {
   if (has_extension(path, ".obj")) return true;
   if (has_extension(path, ".ply") || has_extension(path, ".stl")) return false;
-  std::string start(4096, '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(stream.gcount()));
-  std::istringstream lines(start);
+  constexpr std::size_t kStart = 4096;
+  std::istringstream lines(std::string(text.substr(0, kStart)));
   for (std::string line; std::getline(lines, line);) {
     std::string_view rest = line;
     const std::string_view kind = take_word(rest);
@@ -317,8 +314,8 @@ bool is_obj(const std::filesystem::path& path) {
   return false;
 }
 
-TriangleMesh read_obj(const std::filesystem::path& path, MeshRepairs& found) {
-  ObjLines lines(path);
+TriangleMesh read_obj(const std::string& source, const std::string& text, MeshRepairs& found) {
+  ObjLines lines(source, text);
   Obj obj;
   while (lines.next()) read_line(obj, lines);
   TriangleMesh mesh;

@@ -2,10 +2,10 @@
 #include "stimuli/ply_check.h"
 
 #include <algorithm>
+#include <boost/interprocess/streams/bufferstream.hpp>
 #include <charconv>
 #include <cstdint>
 #include <fmt/format.h>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -87,10 +87,8 @@ std::optional<std::uint64_t> read_count(std::string_view word) {
 // Reads a file line by line; errors name the line.
 class PlyLines {
  public:
-  explicit PlyLines(const std::filesystem::path& path)
-      : source_(path.string()),
-        stream_(path, std::ios::binary),
-        file_bytes_(std::filesystem::file_size(path)) {}
+  PlyLines(const std::string& source, const std::string& bytes)
+      : source_(source), stream_(bytes.data(), bytes.size()), file_bytes_(bytes.size()) {}
 
   bool begins_as_ply() {
     char start[3] = {};
@@ -101,7 +99,7 @@ class PlyLines {
   }
   std::uint64_t file_bytes() const { return file_bytes_; }
   /// What follows the lines that were read.
-  std::ifstream& stream() { return stream_; }
+  std::istream& stream() { return stream_; }
   std::uint64_t count_left() { return file_bytes_ - static_cast<std::uint64_t>(stream_.tellg()); }
   /// The words of the next line; empty at the end.
   std::vector<std::string_view> next() {
@@ -135,7 +133,7 @@ class PlyLines {
 
  private:
   std::string source_, line_;
-  std::ifstream stream_;
+  boost::interprocess::ibufferstream stream_;
   std::uint64_t file_bytes_;
   std::size_t number_ = 0, header_bytes_ = 0;
 };
@@ -269,7 +267,7 @@ void check_line(const Element& element, const std::vector<std::string_view>& wor
 // Walks over the values of a binary body; errors name the element.
 class PlyBytes {
  public:
-  PlyBytes(std::string source, std::ifstream& stream, std::uint64_t left, bool is_big_endian)
+  PlyBytes(std::string source, std::istream& stream, std::uint64_t left, bool is_big_endian)
       : source_(std::move(source)), stream_(stream), left_(left), is_big_endian_(is_big_endian) {}
 
   void walk_all(const Element& element) {
@@ -295,8 +293,8 @@ class PlyBytes {
   std::uint64_t take_count(std::size_t bytes) {
     std::uint64_t count = 0;
     for (std::size_t i = 0; i < bytes; ++i) {
-      const int byte = left_ > 0 ? stream_.get() : std::ifstream::traits_type::eof();
-      if (byte == std::ifstream::traits_type::eof()) refuse("the end of the file");
+      const int byte = left_ > 0 ? stream_.get() : std::istream::traits_type::eof();
+      if (byte == std::istream::traits_type::eof()) refuse("the end of the file");
       --left_;
       count |= static_cast<std::uint64_t>(byte) << 8 * (is_big_endian_ ? bytes - 1 - i : i);
     }
@@ -313,19 +311,19 @@ class PlyBytes {
   }
 
   std::string source_;
-  std::ifstream& stream_;
+  std::istream& stream_;
   std::uint64_t left_, index_ = 0;
   bool is_big_endian_;
 };
 
 }  // namespace
 
-bool check_ply(const std::filesystem::path& path) {
-  PlyLines lines(path);
+bool check_ply(const std::string& source, const std::string& bytes) {
+  PlyLines lines(source, bytes);
   if (!lines.begins_as_ply()) return false;
   const Header header = read_header(lines);
   if (!header.is_text) {
-    PlyBytes body(path.string(), lines.stream(), lines.count_left(), header.is_big_endian);
+    PlyBytes body(source, lines.stream(), lines.count_left(), header.is_big_endian);
     for (const Element& element : header.elements) body.walk_all(element);
     return true;
   }

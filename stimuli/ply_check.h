@@ -1,7 +1,7 @@
 // Whether a PLY file is what its header says. Private to this folder.
 #pragma once
 
-#include <filesystem>
+#include <string>
 
 namespace equilux {
 
@@ -12,6 +12,6 @@ namespace equilux {
 /// shape what it does not expect: so vertices come first, with x, y and z, each element stands once, faces
 /// have one list of integers, no surface is of strips, and each word of text is a whole value of its type.
 /// errors: InputError
-bool check_ply(const std::filesystem::path& path);
+bool check_ply(const std::string& source, const std::string& bytes);
 
 }  // namespace equilux

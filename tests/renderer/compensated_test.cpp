@@ -280,20 +280,34 @@ TEST(RegionChecks, CountDifferencesInStandardErrors) {
   EXPECT_EQ((RegionCheck{"r1c1", {0, 0, 1}, {0, 0, 1}}.z()), 0);
 }
 
-// In a black room few of the check's paths meet the light that an object sends itself: where none does, they
-// tell no error, and the reference is not to be blamed for a light that nobody sees. A tenth of a step is
-// seen again.
+// Paths that met no light, or once a little of it, tell an error of next to nothing, though they know
+// nothing.
+TEST(RegionChecks, OfLightThatFewPathsMeetBlameNoOne) {
+  const RegionLight sets{2e-4, 1e-6, 35};
+  const auto find_z = [&](double mean, double error) {
+    return RegionCheck{"r1c1", sets, {mean, error, 35}}.z();
+  };
+  EXPECT_NEAR(find_z(0, 0), 1, 1e-12);
+  EXPECT_NEAR(find_z(5e-7, 5e-7), std::sqrt(2), .01);
+  EXPECT_NEAR(find_z(1e-4, 1e-5), std::sqrt(101) / 2, 1e-3) << "met a hundred times: half of it is missing";
+  EXPECT_NEAR(find_z(1e-4, 0), 100, 1e-6) << "paths that all bring the same know all";
+  EXPECT_NEAR(find_z(2.2e-4, 1e-5), -2, .02) << "well met, it is as ever";
+}
+
+// Nor is the reference blamed for a light that nobody sees, however well it was met. A tenth of a step is
+// seen.
 TEST(RegionChecks, OfLightThatNobodySeesBlameNoOne) {
   const double step = 1e-3;
-  const HdrImage none(2, 1);
   const std::vector<int> regions{0, 0};
   const auto find_z = [&](double light) {
-    std::vector<RegionLight> sets(1, RegionLight{light, light / 50, 2});
-    return check_regions(sets, {none, none}, {none, none}, regions, step)[0].z();
+    HdrImage half(2, 1), none(2, 1);
+    half.values.assign(6, static_cast<float>(light / 2));
+    std::vector<RegionLight> sets(1, RegionLight{light, light / 100, 2});
+    return check_regions(sets, {none, none}, {half, none}, regions, step)[0].z();
   };
-  EXPECT_NEAR(find_z(1e-3 * step), 0.1, 1e-9);
-  EXPECT_NEAR(find_z(0.1 * step), 10, 1e-6);
-  EXPECT_NEAR(find_z(step), 50, 1e-6);
+  EXPECT_NEAR(find_z(1e-3 * step), 0.05, 1e-6);
+  EXPECT_NEAR(find_z(0.1 * step), 5, 1e-4);
+  EXPECT_NEAR(find_z(step), 50, 1e-3);
 }
 
 }  // namespace

@@ -263,6 +263,22 @@ TEST_F(Verify, NotesThatAStudyOfFixedPathsHasNoLimitForItsErrors) {
   EXPECT_THAT(notes[0], HasSubstr("the study fixes its paths"));
 }
 
+TEST_F(Verify, NotesRegionsWhosePathTracedCheckKnowsNothing) {
+  Layers layers = load_layers(folder_.layers());
+  Json check{Json::Array{}};
+  for (const auto& [mean, traced, error] :
+       {std::tuple{1.0, 1.0, 0.1}, {1.0, 1.0, 0.2}, {1.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}) {
+    Json row;
+    row.set("region", "r1c1").set("pixels", 9).set("mean", mean).set("standard_error", 0.1);
+    row.set("path_traced", traced).set("path_traced_error", error).set("z", 0.0);
+    check.push(std::move(row));
+  }
+  layers.by_name.at("G0-GS-dir-ref-v1.background").reference.set("check", std::move(check));
+  save_records(layers);
+  EXPECT_THAT(verify_set(folder_.root, {}).notes,
+              testing::Contains(HasSubstr("of 4 regions of references 2 have so little light")));
+}
+
 TEST_F(Verify, FindsAPictureThatTheStudyDoesNotHave) {
   change_manifest(
       [](Manifest& manifest) { manifest.pictures["foo"] = manifest.pictures.at("G0-MS-ind-100-C4-v0"); });

@@ -16,7 +16,7 @@ std::map<WorldKey, WorldCosts> make_costs(const Study& study) {
   double size = 1;
   for (const Object& object : enumerate_objects(study)) {
     if (costs.contains(world_of(object))) continue;
-    WorldCosts& world = costs[world_of(object)] = {1e4 * size, {}, 1e7};
+    WorldCosts& world = costs[world_of(object)] = {1e4 * size, {}, 1e7, 0, 0, {}};
     for (const char* material : {"MS", "MR", "BS", "BR", "GS"}) world.object[material] = 3e6 * size;
     size *= 1.3;
   }

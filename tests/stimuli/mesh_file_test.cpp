@@ -286,10 +286,22 @@ TEST(MeshFiles, WithAnEmptyFaceAreRefused) {
       << "a blank line is no face; the second is the first again";
 }
 
-TEST(MeshFiles, ThatAreMissingOrAFolderAreNamed) {
+TEST(MeshFiles, ThatAreMissingOrOfAnotherKindAreNamed) {
   const TempFolder folder;
-  expect_refused(folder / "missing.obj");
-  expect_refused(folder.path());
+  expect_refused(folder / "missing.obj", "No such file or directory");
+  expect_refused(folder.path(), "expected a file, got a folder");
+  std::filesystem::create_symlink("/dev/zero", folder / "endless.stl");
+  expect_refused(folder / "endless.stl", "expected a regular file, got another kind");
+}
+
+// The memory of this process is a file whose first page cannot be read; of a mesh whose disk fails half-way
+// nothing is taken for the whole either.
+TEST(MeshFiles, ThatCannotBeReadAreNotTakenForShorterOnes) {
+  const TempFolder folder;
+  for (const char* name : {"a.obj", "a.ply", "a.stl", "a.mesh"}) {
+    std::filesystem::create_symlink("/proc/self/mem", folder / name);
+    expect_refused(folder / name, "expected a readable file, got Input/output error");
+  }
 }
 
 // A cube of side 2 about the origin in twelve triangles, given corner by corner.
