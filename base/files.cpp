@@ -187,7 +187,10 @@ void remove_stale_parts(const fs::path& folder) {
 void make_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  if (error) throw StoreError(fmt::format("{}: cannot make the folder: {}", path.string(), error.message()));
+  const bool is_taken = error && path_exists(path) && !fs::is_directory(path);
+  if (error)
+    throw StoreError(fmt::format("{}: cannot make the folder: {}", path.string(),
+                                 is_taken ? "a file has that name" : error.message()));
 }
 
 }  // namespace equilux

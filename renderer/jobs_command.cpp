@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/program.h"
 #include "base/progress.h"
+#include "protocols/windows.h"
 #include "renderer/commands.h"
 #include "renderer/jobs.h"
 #include "renderer/set.h"
@@ -31,7 +32,10 @@ std::pair<double, std::string> find_rate(const PlanOptions& options, const Study
     if (const auto speed = find_speed({options.folder})) return {*speed, "as in " + file};
     return {measure_speed(study, scene), "measured now on this machine; " + file + " tells of no work"};
   }
-  return {measure_speed(study, scene), "measured now on this machine; --out takes it from what was rendered"};
+  return {
+      measure_speed(study, scene),
+      "measured now on this machine; costs are those of the café, in other rooms --out tells more once some "
+      "of it is rendered"};
 }
 
 // What the folder lacks.
@@ -64,6 +68,7 @@ int run_plan(const PlanOptions& options) {
   const Scene scene = load_scene(study.scene_path);
   const Wanted wanted = enumerate_wanted(study, options.only);
   const bool is_own = !options.folder.empty() && load_folder_study({options.folder}).digest == study.digest;
+  if (!is_own) load_windows(study.windows_path, study);  // as `set` will
   const auto costs = estimate_worlds(study, scene, wanted);
   const auto jobs = split_work(list_work(costs, wanted), options.jobs);
   const auto [speed, source] = find_rate(options, study, scene);
@@ -86,6 +91,8 @@ int run_plan(const PlanOptions& options) {
       format_seconds(longest), format_seconds(sum), format_seconds(cost_of_pictures(study, wanted) / speed),
       speed, source);
   fmt::print("All of it takes about {} of a disk.\n", format_bytes(estimate_set_bytes(study, costs, wanted)));
+  if (const std::string narrow = tell_narrow_target(study); !narrow.empty())
+    fmt::print("warning: {}\n", narrow);
   if (is_own) {
     fmt::print("{}", tell_rest(options, study, scene, wanted, costs, speed));
   } else if (!options.folder.empty()) {

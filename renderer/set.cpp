@@ -61,6 +61,12 @@ class SetMaker {
         recipes_(make_recipes(study_, scene_, wanted_)) {
     summary_.target = study_.noise_target;
     summary_.fixes_paths = study_.paths.has_value();
+    if (params.job && wanted_.families.empty() && wanted_.conditions.empty())
+      summary_.warnings.push_back(
+          fmt::format("share {} of {} holds nothing: there are more shares than objects in views",
+                      params.job->index, params.job->count));
+    if (std::string narrow = tell_narrow_target(study_); !narrow.empty())
+      summary_.warnings.push_back(std::move(narrow));
   }
 
   SetSummary make() {

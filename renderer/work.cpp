@@ -176,6 +176,17 @@ double measure_speed(const Study& study, const Scene& scene) {
   return traced > 0 && seconds > 0 ? kWholePictures * traced / seconds : kUsual;
 }
 
+std::string tell_narrow_target(const Study& study) {
+  constexpr double kNarrow = 0.1;
+  const NoiseTarget& target = study.noise_target;
+  const double least = std::min({target.object_mean, target.object_p99, target.outside_mean});
+  if (study.paths || !(least < kNarrow)) return "";
+  return fmt::format(
+      "noise_target asks for errors of {} displayed steps, which nobody sees; time goes with the inverse "
+      "square",
+      least);
+}
+
 std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted) {
   std::map<Family, WorkItem> by_family;
   for (const Family& family : wanted.families) by_family[family].has_reference = true;

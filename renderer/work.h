@@ -78,6 +78,9 @@ struct WorkItem {
   std::map<std::string, double> shared;
 };
 
+/// Of a noise target that asks for errors far below what 8 bits show; else empty.
+std::string tell_narrow_target(const Study& study);
+
 /// In the order of work: by world, view and material. shape of `costs`: every world of `wanted`. References
 /// of conditions that `wanted.families` lacks are on disk.
 std::vector<WorkItem> list_work(const std::map<WorldKey, WorldCosts>& costs, const Wanted& wanted);

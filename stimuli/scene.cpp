@@ -333,6 +333,8 @@ void read_object(Scene& scene, const Json& json, const std::string& source) {
 void read_camera(Scene& scene, const Json& json, const std::string& source) {
   scene.camera = {to_vec(json.at("position")), to_vec(json.at("target")), normalize(to_vec(json.at("up"))),
                   static_cast<float>(json.at("vertical_fov_degrees").as_double())};
+  if (scene.camera.target == scene.camera.position)
+    throw InputError(source, "/camera/target", "a place other than the position", "the same");
   const Vec3 forward = normalize(scene.camera.target - scene.camera.position);
   if (length(cross(forward, scene.camera.up)) < 1e-4f) {
     throw InputError(source, "/camera/up", "a direction other than that from position to target",

@@ -21,7 +21,9 @@ void refuse_extension(const std::filesystem::path& path) {
 Study load_folder_study(const StudyFolder& folder) {
   if (!path_exists(folder.study())) {
     throw InputError(folder.root.string(), "", "a study folder made by `equilux-render set`",
-                     path_exists(folder.root) ? "a folder without study.json" : "nothing of that name");
+                     !path_exists(folder.root) ? "nothing of that name"
+                     : is_file(folder.root)    ? "a file"
+                                               : "a folder without study.json");
   }
   refuse_extension(folder.study());
   Study study = load_study(folder.study());

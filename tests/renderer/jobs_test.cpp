@@ -123,6 +123,7 @@ TEST(Jobs, OfWhatTheSetHasAreEmpty) {
   EXPECT_GT(share.layers_adopted, 0u);
   const SetSummary most = render_share(study, "set", 50, 50);
   EXPECT_EQ(most.layers_rendered + most.layers_adopted, 0u) << "more shares than work";
+  EXPECT_THAT(format_summary(most), HasSubstr("warning: share 50 of 50 holds nothing"));
   gather(study, "set");
   EXPECT_EQ(digest_products(study.folder() / "set"), before);
 }

@@ -273,7 +273,7 @@ TEST_F(Verify, NotesRegionsWhosePathTracedCheckKnowsNothing) {
     row.set("path_traced", traced).set("path_traced_error", error).set("z", 0.0);
     check.push(std::move(row));
   }
-  layers.by_name.at("G0-GS-dir-ref-v1.background").reference.set("check", std::move(check));
+  layers.by_name.at("G0-GS-dir-ref-v1.indirect").reference.set("check", std::move(check));
   save_records(layers);
   EXPECT_THAT(verify_set(folder_.root, {}).notes,
               testing::Contains(HasSubstr("of 4 regions of references 2 have so little light")));

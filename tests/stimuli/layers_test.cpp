@@ -116,6 +116,8 @@ TEST(StudyFolders, ThatAreNoneAreNamed) {
               AllOf(StartsWith(folder.path().string()), HasSubstr("a folder without study.json")));
   EXPECT_THAT(message_of<InputError>([&] { load_folder_study({folder / "none"}); }),
               HasSubstr("nothing of that name"));
+  EXPECT_THAT(message_of<InputError>([&] { load_folder_study({folder.write("study.json", "{}")}); }),
+              HasSubstr("got a file"));
 }
 
 TEST(StudyFolders, WhoseStudyExtendsAnotherAreRefused) {

@@ -235,12 +235,13 @@ TEST_F(SceneFile, WithASpotTooNarrowForFloatIsRefused) {
 }
 
 TEST_F(SceneFile, WithACameraWithoutASideIsRefused) {
-  expect_refusals({{"/camera/up", parsed("[0.1, 4, -0.5]"), "/camera/up", "a direction other than"},
-                   {"/camera/up", parsed("[-0.1, -4, 0.5]"), "/camera/up", "a direction other than"},
-                   {"/camera/up", parsed("[0, 0, 0]"), "/camera/up", "a direction other than"},
-                   {"/camera/target", parsed("[0, -4, 1.5]"), "/camera/up", "a direction other than"},
-                   {"/camera/vertical_fov_degrees", 180, "/camera/vertical_fov_degrees", "number"},
-                   {"/camera/up", parsed("[0, 1]"), "/camera/up", "an array of 3 numbers"}});
+  expect_refusals(
+      {{"/camera/up", parsed("[0.1, 4, -0.5]"), "/camera/up", "a direction other than"},
+       {"/camera/up", parsed("[-0.1, -4, 0.5]"), "/camera/up", "a direction other than"},
+       {"/camera/up", parsed("[0, 0, 0]"), "/camera/up", "a direction other than"},
+       {"/camera/target", parsed("[0, -4, 1.5]"), "/camera/target", "a place other than the position"},
+       {"/camera/vertical_fov_degrees", 180, "/camera/vertical_fov_degrees", "number"},
+       {"/camera/up", parsed("[0, 1]"), "/camera/up", "an array of 3 numbers"}});
 }
 
 TEST_F(SceneFile, WithALatheProfileThatTurnsBackOnItselfIsRefused) {

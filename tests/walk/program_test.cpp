@@ -214,6 +214,33 @@ TEST(Plan, TellsWhatAFolderStillLacks) {
               HasSubstr(root + " is the folder of another study"));
 }
 
+// What `set` will refuse is refused before a night is planned for it.
+TEST(Plan, RefusesAStudyWhoseWindowsSetWouldRefuse) {
+  const test::TinyStudy study;
+  const fs::path windows = study.folder() / "windows.json";
+  save_text(windows, "{");
+  expect_input_error("render", {"plan", study.path().string()}, windows.string());
+}
+
+TEST(Plan, TellsOfATargetThatNoPictureShows) {
+  const test::TinyStudy study;
+  const Json text = parse_json(load_text(study.path()), "");
+  const std::string other = (study.folder() / "other.json").string();
+  const auto plan_of = [&](double least) {
+    Json json{Json::Object{}};
+    for (const auto& [member, value] : text.as_object()) {
+      if (member != "paths") json.set(member, value);
+    }
+    json.set(
+        "noise_target",
+        parse_json(fmt::format(R"({{"object_mean": 3, "object_p99": 8, "outside_mean": {}}})", least), ""));
+    save_text(other, format_json(json));
+    return run_well("render", {"plan", other});
+  };
+  EXPECT_THAT(plan_of(.1), Not(HasSubstr("warning")));
+  EXPECT_THAT(plan_of(.01), HasSubstr("warning: noise_target asks for errors of 0.01 displayed steps"));
+}
+
 TEST_F(ProgramInput, NamesAnUnknownMeshAndItsPlace) {
   const Json cafe = parse_json(load_text(kCafe), kCafe);
   save_text(path("scene.json"), format_json(with(cafe, "/instances/0/mesh", "teapot")));
