@@ -83,6 +83,12 @@ class FamilyVerifier {
     return findings_;
   }
 
+  // What is legal, and hardly ever meant.
+  std::string tell_dark() const {
+    if (!loaded_ || sum_light(loaded_->direct) + sum_light(loaded_->indirect) > 0) return "";
+    return format_key(family_) + ": no light on the object";
+  }
+
   // Empty where it cannot be read.
   std::string digest_coverage() const {
     if (!loaded_) return "";
@@ -232,13 +238,13 @@ std::vector<Finding> compare_coverage(const std::vector<Family>& families,
   return findings;
 }
 
-std::vector<Finding> verify_families(const VerifiedSet& set) {
+std::vector<Finding> verify_families(const VerifiedSet& set, std::vector<std::string>& notes) {
   const std::vector<Family> families = enumerate_references(set.study);
   std::map<Family, std::vector<Condition>> conditions;
   for (const Condition& condition : enumerate_conditions(set.study))
     conditions[family_of(condition)].push_back(condition);
   std::vector<std::vector<Finding>> by_family(families.size());
-  std::vector<std::string> coverage(families.size());
+  std::vector<std::string> coverage(families.size()), dark(families.size());
   Progress progress("verifying", static_cast<double>(families.size()));
   const ThreadLimit limit(fit_threads(estimate_family_memory(set.study), find_available_memory()));
   for_each_parallel(families.size(), [&](std::size_t i) {
@@ -246,8 +252,11 @@ std::vector<Finding> verify_families(const VerifiedSet& set) {
     FamilyVerifier verifier(set, families[i]);
     by_family[i] = verifier.verify(found == conditions.end() ? std::vector<Condition>() : found->second);
     coverage[i] = verifier.digest_coverage();
+    dark[i] = verifier.tell_dark();
     progress.advance(1);
   });
+  std::copy_if(dark.begin(), dark.end(), std::back_inserter(notes),
+               [](const std::string& note) { return !note.empty(); });
   std::vector<Finding> findings = compare_coverage(families, coverage);
   for (const auto& some : by_family) findings.insert(findings.end(), some.begin(), some.end());
   return findings;
@@ -316,7 +325,7 @@ Verification verify_set(const fs::path& root, const std::optional<fs::path>& stu
   }
   const Manifest manifest = path_exists(folder.manifest()) ? load_manifest(folder.manifest()) : Manifest();
   with_family_memory(folder, study, [&] {
-    const auto more = verify_families({folder, study, manifest, store});
+    const auto more = verify_families({folder, study, manifest, store}, verification.notes);
     findings.insert(findings.end(), more.begin(), more.end());
   });
   return verification;

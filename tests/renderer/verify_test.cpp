@@ -263,6 +263,14 @@ TEST_F(Verify, NotesThatAStudyOfFixedPathsHasNoLimitForItsErrors) {
   EXPECT_THAT(notes[0], HasSubstr("the study fixes its paths"));
 }
 
+TEST_F(Verify, NotesAnObjectWithoutLight) {
+  for (const char* content : {"direct", "indirect"})
+    change_layer(fmt::format("G0-GS-dir-ref-v1.{}", content),
+                 [](HdrImage& image) { std::fill(image.values.begin(), image.values.end(), 0.0f); });
+  EXPECT_THAT(verify_set(folder_.root, {}).notes,
+              testing::Contains("G0-GS-dir-ref-v1: no light on the object"));
+}
+
 TEST_F(Verify, NotesRegionsWhosePathTracedCheckKnowsNothing) {
   Layers layers = load_layers(folder_.layers());
   Json check{Json::Array{}};
