@@ -21,8 +21,8 @@ std::string find_unchecked(const LayerRecord& layer, const Study& study);
 /// is further from their path-traced check than chance explains.
 std::vector<std::string> find_failed_checks(const LayerRecord& layer);
 
-/// Regions of path-traced checks; of the unsure ones the paths met so little light that no difference could
-/// have been found.
+/// Regions of path-traced checks; in the unsure ones the paths met the light so rarely that no difference
+/// could have been found.
 struct CheckedRegions {
   std::size_t all = 0, unsure = 0;
 };

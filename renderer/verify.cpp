@@ -286,8 +286,8 @@ std::string tell_unsure_checks(const LayerRecords& layers) {
   }
   if (sum.unsure == 0) return "";
   return fmt::format(
-      "of {} regions of references {} have so little light that the paths which check them met too little of "
-      "it: they could have found no difference there",
+      "in {1} of {0} regions of references the paths which check them met the light too rarely: a difference "
+      "there could not have been found",
       sum.all, sum.unsure);
 }
 

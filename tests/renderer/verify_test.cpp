@@ -284,7 +284,7 @@ TEST_F(Verify, NotesRegionsWhosePathTracedCheckKnowsNothing) {
   layers.by_name.at("G0-GS-dir-ref-v1.indirect").reference.set("check", std::move(check));
   save_records(layers);
   EXPECT_THAT(verify_set(folder_.root, {}).notes,
-              testing::Contains(HasSubstr("of 4 regions of references 2 have so little light")));
+              testing::Contains(HasSubstr("in 2 of 4 regions of references the paths")));
 }
 
 TEST_F(Verify, FindsAPictureThatTheStudyDoesNotHave) {
